@@ -6,7 +6,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::edited;
 using test::StudyFolder;
 using testing::HasSubstr;
@@ -23,7 +22,7 @@ void measure(StudyFolder& folder) {
 }
 
 /// From twenty starts.
-json solved(StudyFolder& folder, std::vector<std::string> set = {}) {
+nlohmann::json solved(StudyFolder& folder, std::vector<std::string> set = {}) {
   set.insert(set.end(), {"update.method=\"deterministic\"", "update.deterministic.regularisation=\"none\"",
                          "update.samples=50", "update.deterministic.starts=20"});
   return folder.update({.set = std::move(set)});
@@ -32,7 +31,7 @@ json solved(StudyFolder& folder, std::vector<std::string> set = {}) {
 TEST(DeterministicMethod, NamesOtherSolutions) {
   StudyFolder folder;
   measure(folder);
-  const json result = solved(folder, {"parameter.k2.distribution.mean=1.6"});
+  const nlohmann::json result = solved(folder, {"parameter.k2.distribution.mean=1.6"});
   EXPECT_TRUE(result.contains("better_solution"));
   EXPECT_EQ(result["options"]["starts"], 20);
   const std::vector<double> mean = test::doubles(result["parameters"]["mean"]);

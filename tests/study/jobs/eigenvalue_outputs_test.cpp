@@ -10,7 +10,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::csv_text;
 using test::edited;
 using test::StudyCall;
@@ -84,9 +83,9 @@ StudyFolder& with_tests(StudyFolder& folder, const std::string& header, const Ro
 
 TEST(EigenvalueOutputs, LetAnUpdateFindThePopulation) {
   StudyFolder folder;
-  const json result = with_tests(folder, k_header, drawn()).update(quick());
-  EXPECT_EQ(result["outputs"]["names"], json(k_names));
-  EXPECT_EQ(result["outputs"]["units"], json({"(rad/s)^2", "(rad/s)^2", "(rad/s)^2", "-", "-"}));
+  const nlohmann::json result = with_tests(folder, k_header, drawn()).update(quick());
+  EXPECT_EQ(result["outputs"]["names"], nlohmann::json(k_names));
+  EXPECT_EQ(result["outputs"]["units"], nlohmann::json({"(rad/s)^2", "(rad/s)^2", "(rad/s)^2", "-", "-"}));
   const std::vector<double> means{1.6, 2.3};
   const std::vector<double> deviations{0.1, 0.2};
   for (std::size_t i = 0; i < 2; ++i) {
@@ -100,10 +99,10 @@ TEST(EigenvalueOutputs, TellTheSameAsTheFrequencies) {
   StudyFolder folder;
   folder.write("tests.csv", csv_text("lambda1,lambda2,lambda3", first_numbers(3, [](double value) { return value; })));
   folder.change({{"frequencies = [1, 2, 3]", "eigenvalues = [1, 2, 3]"}});
-  const json by_eigenvalue = folder.update(quick())["parameters"]["mean"];
+  const nlohmann::json by_eigenvalue = folder.update(quick())["parameters"]["mean"];
   folder.change({});
   folder.write("tests.csv", csv_text("f1,f2,f3", first_numbers(3, frequency)));
-  const json by_frequency = folder.update(quick())["parameters"]["mean"];
+  const nlohmann::json by_frequency = folder.update(quick())["parameters"]["mean"];
   // The same data on a curved scale: half a per cent of noise and scatter of 3 % differ by their squares.
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_NEAR(by_eigenvalue[i].get<double>(), by_frequency[i].get<double>(), 0.01);
@@ -132,7 +131,8 @@ TEST(EigenvalueOutputs, AreRefusedInAnotherUnit) {
 TEST(EigenvalueOutputs, MoveWithTheirModesWhereColumnsArePairedByFrequency) {
   StudyFolder folder;
   const std::vector<std::string> by_frequency{"test.pairing=\"frequency\""};
-  const json expected = with_tests(folder, k_header, drawn()).update(quick("out", by_frequency))["parameters"]["mean"];
+  const nlohmann::json expected =
+      with_tests(folder, k_header, drawn()).update(quick("out", by_frequency))["parameters"]["mean"];
   with_tests(folder, "lambda7,lambda8,lambda9,ratio7:m2/m1,ratio8:m1/m2", drawn());
   EXPECT_EQ(folder.update(quick("again", by_frequency))["parameters"]["mean"], expected);
 }
@@ -193,7 +193,7 @@ TEST(EigenvalueOutputs, CanBePredicted) {
   folder.write(
       "study.toml",
       study_of_outputs() + "\n[predict]\neigenvalues = [1]\nshape_ratios = [{ mode = 1, dofs = [\"m3\", \"m1\"] }]\n");
-  EXPECT_EQ(folder.update(quick())["prediction"]["names"], json({"lambda1", "ratio1:m3/m1"}));
+  EXPECT_EQ(folder.update(quick())["prediction"]["names"], nlohmann::json({"lambda1", "ratio1:m3/m1"}));
 }
 
 TEST(EigenvalueOutputs, AreRefusedWithTheirLine) {

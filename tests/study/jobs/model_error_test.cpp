@@ -6,7 +6,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::StudyFolder;
 using test::TextChange;
 
@@ -14,28 +13,28 @@ const TextChange k_maximum_likelihood{"method = \"mares\"", "method = \"maximum-
 const std::string k_file = "file = \"tests.csv\"";
 const std::string k_noise = k_file + "\nrepeatability = { \"f*\" = \"0.05 %\" }\n";
 
-json updated(const std::string& test_section) {
+nlohmann::json updated(const std::string& test_section) {
   return StudyFolder().update_changed({k_maximum_likelihood, {k_file, test_section}});
 }
 
-double width(const json& interval) {
+double width(const nlohmann::json& interval) {
   return interval[1].get<double>() - interval[0].get<double>();
 }
 
-bool has_note(const json& result, const std::string& part) {
+bool has_note(const nlohmann::json& result, const std::string& part) {
   return test::sentences(result["notes"]).find(part) != std::string::npos;
 }
 
 TEST(ModelError, WidensTheMeansAndIsInTheResult) {
-  const json without = updated(k_noise);
+  const nlohmann::json without = updated(k_noise);
   EXPECT_TRUE(without["outputs"]["model_error_std"].is_null());
   EXPECT_TRUE(without["outputs"]["model_error"].is_null());
-  const json result = updated(k_noise + "model_error = { \"f*\" = \"0.3 %\", f3 = 0.01 }");
+  const nlohmann::json result = updated(k_noise + "model_error = { \"f*\" = \"0.3 %\", f3 = 0.01 }");
   const std::vector<double> std = test::doubles(result["outputs"]["model_error_std"]);
   EXPECT_NEAR(std[0], 0.003 * result["outputs"]["test_mean"][0].get<double>(), 5e-13);
   EXPECT_EQ(std[2], 0.01);
   for (std::size_t k = 0; k < 3; ++k) {
-    const json& error = result["outputs"]["model_error"][k];
+    const nlohmann::json& error = result["outputs"]["model_error"][k];
     EXPECT_LE(error["standard_error"].get<double>(), std[k] * (1.0 + 1e-9));
     EXPECT_LT(std::abs(error["shift"].get<double>()), 5.0 * std[k]);
   }
@@ -44,7 +43,7 @@ TEST(ModelError, WidensTheMeansAndIsInTheResult) {
 }
 
 TEST(ModelError, CanBeEstimated) {
-  const json result = updated(k_noise + "model_error = \"estimated\"");
+  const nlohmann::json result = updated(k_noise + "model_error = \"estimated\"");
   EXPECT_EQ(result["outputs"]["model_error_std"].size(), 3U);
   EXPECT_TRUE(has_note(result, "This estimate has only")) << result["notes"];
 }
@@ -62,7 +61,7 @@ TEST(ModelError, MakesAPredictionOfWhatWasTestedNoLessSure) {
   folder.write("study.toml", test::three_masses() + truth);
   folder.simulate();
   const auto widths = [&](const std::string& error, const std::string& model = "") {
-    const json result = folder.update_changed(
+    const nlohmann::json result = folder.update_changed(
         {k_maximum_likelihood,
          {k_file, "file = \"drawn/specimens.csv\"\n" + error},
          {"frequencies = [1, 2, 3]", "frequencies = [1, 2]"},

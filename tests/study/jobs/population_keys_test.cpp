@@ -8,7 +8,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::StudyCall;
 using test::StudyFolder;
 using test::TextChange;
@@ -29,7 +28,7 @@ TextChange with_repeatability(const std::string& value) {
   return {"\"tests.csv\"", "\"tests.csv\"\nrepeatability = " + value};
 }
 
-json updated(std::vector<TextChange> changes) {
+nlohmann::json updated(std::vector<TextChange> changes) {
   return StudyFolder().update_changed(changes);
 }
 
@@ -40,7 +39,7 @@ std::string said_of(const std::vector<TextChange>& changes) {
   return folder.check();
 }
 
-void expect_near(const json& first, const json& second, double tolerance) {
+void expect_near(const nlohmann::json& first, const nlohmann::json& second, double tolerance) {
   ASSERT_EQ(first.size(), second.size());
   for (std::size_t i = 0; i < first.size(); ++i)
     EXPECT_NEAR(first[i].get<double>(), second[i].get<double>(), tolerance);
@@ -57,7 +56,7 @@ double squares(const std::vector<double>& values) {
 
 TEST(PopulationKeys, LetEveryMethodEstimateThePopulation) {
   for (const std::string& method : k_methods) {
-    const json result = updated({by(method)});
+    const nlohmann::json result = updated({by(method)});
     EXPECT_EQ(result["status"], "converged") << method << ": " << result["message"];
     EXPECT_EQ(result["method"], method);
   }
@@ -70,7 +69,7 @@ TEST(PopulationKeys, TakeADiagonalCovariance) {
 }
 
 TEST(PopulationKeys, TakeGroupsOfParameters) {
-  const json covariance =
+  const nlohmann::json covariance =
       updated({by("perturbation"), with_covariance(R"([["k1", "k2"]])")})["parameters"]["covariance"];
   EXPECT_NE(covariance[0][1], 0.0);
 }
@@ -86,11 +85,11 @@ TEST(PopulationKeys, SayWhatMayBeCorrelated) {
 
 TEST(PopulationKeys, TakeScales) {
   for (const std::string& method : k_methods) {
-    const json plain = updated({by(method)})["parameters"];
+    const nlohmann::json plain = updated({by(method)})["parameters"];
     for (const std::string scale : {"log", "logit"}) {
       SCOPED_TRACE(method + " on " + scale);
       StudyFolder folder;
-      const json result = folder.update_changed(
+      const nlohmann::json result = folder.update_changed(
           {by(method), {"bounds = [0.5, 3.0]", "bounds = [0.5, 3.0]\nscale = \"" + scale + "\""}});
       EXPECT_EQ(result["status"], "converged") << result["message"];
       // The scatter is 20 %: mean and deviation of x depend little on the scale.
@@ -123,11 +122,11 @@ TEST(PopulationKeys, LetAParameterBePressedToTheEndOfItsLogit) {
               {by(method), {"iterations = 30", "iterations = 3"}, {"samples = 200", "samples = 100"}, narrow}) +
               surrogate);
       try {
-        const json found = folder.update();
+        const nlohmann::json found = folder.update();
         EXPECT_GT(found["parameters"]["mean"][0], 0.76);
         EXPECT_LT(found["parameters"]["mean"][0], 0.88);
         if (found["identifiability"].is_null()) continue;
-        for (const json& value : found["identifiability"]["singular_values"]) {
+        for (const nlohmann::json& value : found["identifiability"]["singular_values"]) {
           EXPECT_TRUE(value == 0.0 || value > 1e-300) << value;
         }
       } catch (const SystemFailure& error) {  // an answer too
@@ -145,28 +144,28 @@ TEST(Repeatability, IsGivenByPatternsOfWhichTheNarrowerCounts) {
 }
 
 TEST(Repeatability, InPerCentIsThatOfTheMean) {
-  const json part = updated({by("perturbation"), with_repeatability(R"({ "f*" = "1 %" })")});
+  const nlohmann::json part = updated({by("perturbation"), with_repeatability(R"({ "f*" = "1 %" })")});
   const std::vector<double> means = test::doubles(part["outputs"]["test_mean"]);
-  const json whole =
+  const nlohmann::json whole =
       updated({by("perturbation"), with_repeatability(fmt::format("{{ f1 = {}, f2 = {}, f3 = {} }}", 0.01 * means[0],
                                                                   0.01 * means[1], 0.01 * means[2]))});
   expect_near(part["parameters"]["std"], whole["parameters"]["std"], 1e-9);
 }
 
 TEST(Repeatability, IsTakenOffTheScatter) {
-  const json plain = updated({by("perturbation")});
-  const json noisy = updated({by("perturbation"), with_repeatability(R"({ "f*" = 0.003 })")});
+  const nlohmann::json plain = updated({by("perturbation")});
+  const nlohmann::json noisy = updated({by("perturbation"), with_repeatability(R"({ "f*" = 0.003 })")});
   EXPECT_LT(noisy["parameters"]["std"][0], plain["parameters"]["std"][0]);
 }
 
 TEST(Repeatability, OfRepeatsIsPooledWithinSpecimens) {
   StudyFolder folder;
   folder.write("repeats.csv", k_repeats);
-  const json repeats = folder.update_changed({by("perturbation"), with_repeatability("\"repeats.csv\"")});
+  const nlohmann::json repeats = folder.update_changed({by("perturbation"), with_repeatability("\"repeats.csv\"")});
   const std::vector<double> noise{std::sqrt((squares({0.170, 0.172, 0.171}) + squares({0.160, 0.163})) / 3.0),
                                   std::sqrt(squares({0.310, 0.312, 0.308}) / 2.0),
                                   std::sqrt((squares({0.450, 0.449, 0.451}) + squares({0.440, 0.442})) / 3.0)};
-  const json given =
+  const nlohmann::json given =
       updated({by("perturbation"),
                with_repeatability(fmt::format("{{ f1 = {}, f2 = {}, f3 = {} }}", noise[0], noise[1], noise[2]))});
   expect_near(repeats["parameters"]["std"], given["parameters"]["std"], 1e-9);

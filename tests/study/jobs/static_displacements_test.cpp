@@ -10,7 +10,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::edited;
 using test::expect_refused;
 using test::StudyFolder;
@@ -56,7 +55,7 @@ TEST(StaticDisplacements, AloneGiveTheStiffnessBackWithAnyNumberOfThreads) {
   folder.write("study.toml", static_study());
   folder.write("tests.csv", table(displacements({0.8, 0.9, 1.0, 1.1, 1.2})));
   EXPECT_NO_THROW(folder.check());
-  const json result = folder.update();
+  const nlohmann::json result = folder.update();
   EXPECT_NEAR(result["parameters"]["mean"][0].get<double>(), 1.0, 2e-3);  // first order in a scatter of 16 %
   EXPECT_NEAR(result["parameters"]["std"][0].get<double>(), 0.15811, 5e-3);
   EXPECT_EQ(test::untimed(folder.update({.out = "again", .threads = 2})), test::untimed(result));
@@ -66,7 +65,7 @@ TEST(StaticDisplacements, ArePredictedFromModes) {
   StudyFolder folder;
   folder.write("study.toml", test::three_masses({{"\"mares\"", "\"maximum-likelihood\""}}) +
                                  "\n[predict]\ndraws = 1000\n" + k_static + "\n");
-  EXPECT_EQ(folder.update()["prediction"]["names"], json(k_names));
+  EXPECT_EQ(folder.update()["prediction"]["names"], nlohmann::json(k_names));
   for (const auto& row : folder.table("out/prediction.csv").rows) EXPECT_EQ(row[5], "m");
 }
 
@@ -143,8 +142,8 @@ TEST(StaticDisplacements, AreNotInTestsThatComeAsModes) {
   text.replace(outputs, text.find("\n[", outputs) - outputs,
                "[outputs]\nstatic = [{ forces = { \"105:+Z\" = 1.0 }, dofs = [\"105:+Z\"] }]\n");
   text = edited(text, {{"\"../02-airframe/airframe.bdf\"",
-                        json((example / "../02-airframe/airframe.bdf").lexically_normal().string()).dump()},
-                       {"file = \"specimens\"", "file = " + json((example / "specimens").string()).dump()}});
+                        nlohmann::json((example / "../02-airframe/airframe.bdf").lexically_normal().string()).dump()},
+                       {"file = \"specimens\"", "file = " + nlohmann::json((example / "specimens").string()).dump()}});
   const StudyFolder folder;
   folder.write("study.toml", text);
   const std::string message = folder.refusal();

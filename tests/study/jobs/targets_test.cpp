@@ -12,7 +12,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::edited;
 using test::StudyFolder;
 using test::TextChange;
@@ -133,7 +132,7 @@ TEST(Targets, CutNoRepeatedFrequency) {
 TEST(Targets, HaveFrequenciesInTheUnitThatGoesWithTheOthers) {
   const std::string deck = cantilever(20.0, 30.0, {{"7.+10,,.3,2700.", "70.,,.3,2.7-6"}});
   const RunSummary summary = summarise(targets_of(deck));
-  EXPECT_EQ(json::parse(summary.json)["frequency_unit"], "kHz");
+  EXPECT_EQ(nlohmann::json::parse(summary.json)["frequency_unit"], "kHz");
   EXPECT_THAT(fmt::format("{}", fmt::join(summary.lines, "\n")), HasSubstr("modes [kHz]:"));
   const StudyFolder folder;
   folder.write("deck.bdf", deck);
@@ -166,7 +165,7 @@ TEST(Targets, HaveNoSensitivityOfARigidBodyMode) {
   EXPECT_NEAR(target(outcome, "CELAS2:1:K").sensitivity(1), 0.5, 1e-10);
   EXPECT_NEAR(target(outcome, "CMASS2:2:M").sensitivity(1), -0.3, 1e-10);
   EXPECT_NEAR(target(outcome, "CMASS2:3:M").sensitivity(1), -0.2, 1e-10);
-  for (const json& listed : json::parse(summarise(outcome).json)["targets"]) {
+  for (const nlohmann::json& listed : nlohmann::json::parse(summarise(outcome).json)["targets"]) {
     if (listed["target"] == "CELAS2:1:K") {
       EXPECT_TRUE(listed["sensitivity"][0].is_null());
     }
@@ -175,7 +174,7 @@ TEST(Targets, HaveNoSensitivityOfARigidBodyMode) {
 
 TEST(Targets, HaveTheSameNumbersInTableAndJson) {
   const TargetsOutcome outcome = targets_of(cantilever(0.02, 0.03));
-  const json listed = json::parse(summarise(outcome).json)["targets"];
+  const nlohmann::json listed = nlohmann::json::parse(summarise(outcome).json)["targets"];
   const test::WrittenTable table = test::table_of(targets_csv(outcome));
   ASSERT_EQ(table.rows.size(), listed.size());
   for (std::size_t i = 0; i < listed.size(); ++i) {

@@ -9,7 +9,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::StudyFolder;
 using testing::HasSubstr;
 
@@ -76,7 +75,7 @@ std::string tests_in(const UnitSystem& system) {
   return test::csv_text(fmt::format("{}", fmt::join(k_outputs, ",")), rows);
 }
 
-json updated(const UnitSystem& system, const std::string& method, const std::string& options = "") {
+nlohmann::json updated(const UnitSystem& system, const std::string& method, const std::string& options = "") {
   StudyFolder folder;
   folder.write("study.toml", study_in(system, method, options));
   folder.write("tests.csv", tests_in(system));
@@ -84,8 +83,8 @@ json updated(const UnitSystem& system, const std::string& method, const std::str
 }
 
 /// A vector or a matrix of outputs in SI.
-json outputs_in_si(const json& value, const std::vector<double>& size) {
-  json scaled = value;
+nlohmann::json outputs_in_si(const nlohmann::json& value, const std::vector<double>& size) {
+  nlohmann::json scaled = value;
   for (std::size_t i = 0; i < value.size(); ++i) {
     if (value[i].is_number()) scaled[i] = value[i].get<double>() / size[i];
     for (std::size_t j = 0; value[i].is_array() && j < value[i].size(); ++j) {
@@ -96,19 +95,19 @@ json outputs_in_si(const json& value, const std::vector<double>& size) {
 }
 
 /// Everything in a result that depends on the parameters or the outputs, with the outputs in SI.
-json in_si(const json& result, const UnitSystem& system) {
+nlohmann::json in_si(const nlohmann::json& result, const UnitSystem& system) {
   const std::vector<double> size = sizes(system);
-  json kept;
+  nlohmann::json kept;
   for (const char* key : {"status", "verdict", "outliers", "other_solutions", "specimens", "identifiability",
                           "spearman", "sample_size"}) {
     kept[key] = result[key];
   }
   kept["sample_size"].erase("monte_carlo_error");
-  for (json& error : kept["verdict"]["could_hide"]) {  // of the study's units
+  for (nlohmann::json& error : kept["verdict"]["could_hide"]) {  // of the study's units
     error.erase("nominal");
     error.erase("change");
   }
-  for (json& step : kept["verdict"]["next"]) step.erase("command");  // names the study's file
+  for (nlohmann::json& step : kept["verdict"]["next"]) step.erase("command");  // names the study's file
   for (const auto& [key, value] : result["outputs"].items()) {
     if (!value.is_null() && key != "names" && key != "units" && key != "test_count") {
       kept["outputs"][key] = outputs_in_si(value, size);
@@ -118,10 +117,10 @@ json in_si(const json& result, const UnitSystem& system) {
   for (const char* key : {"units", "prior", "factor_of", "factor_units"}) kept["parameters"].erase(key);
   kept["sensitivity"] = result["regression"]["sensitivity"];
   for (std::size_t i = 0; i < size.size(); ++i) {
-    for (json& slope : kept["sensitivity"][i]) slope = slope.get<double>() / size[i];
+    for (nlohmann::json& slope : kept["sensitivity"][i]) slope = slope.get<double>() / size[i];
   }
-  kept["iterations"] = json::array();
-  for (const json& state : result["iterations"]) {
+  kept["iterations"] = nlohmann::json::array();
+  for (const nlohmann::json& state : result["iterations"]) {
     kept["iterations"].push_back(
         {state["distance_mahalanobis"], state["parameter_mean"], state["parameter_covariance"]});
   }
@@ -138,7 +137,7 @@ std::string place_of(const std::string& pointer) {
 /// of a deviation and fall by a hundred each time: 1e-5 of the largest number beside it (5e-7 was seen), far below any
 /// effect of a unit.
 void expect_same_in_every_system(const std::string& method, const std::string& options = "") {
-  const json expected = in_si(updated(k_si, method, options), k_si).flatten();
+  const nlohmann::json expected = in_si(updated(k_si, method, options), k_si).flatten();
   std::map<std::string, double> largest;
   for (const auto& [path, value] : expected.items()) {
     if (value.is_number_float()) {
@@ -148,7 +147,7 @@ void expect_same_in_every_system(const std::string& method, const std::string& o
   }
   for (const UnitSystem& system : {k_mm_t_s, k_mm_kg_ms}) {
     SCOPED_TRACE(method + " in " + system.name);
-    const json found = in_si(updated(system, method, options), system).flatten();
+    const nlohmann::json found = in_si(updated(system, method, options), system).flatten();
     ASSERT_EQ(found.size(), expected.size());
     for (const auto& [path, value] : expected.items()) {
       ASSERT_TRUE(found.contains(path)) << path;
@@ -172,7 +171,7 @@ TEST(Units, ChangeNoResultOfAnyMethod) {
 }
 
 TEST(Units, LeaveTheNoiseOfFrequenciesInKilohertzAPartOfTheirValue) {
-  const json outputs = updated(k_mm_kg_ms, "maximum-likelihood")["outputs"];
+  const nlohmann::json outputs = updated(k_mm_kg_ms, "maximum-likelihood")["outputs"];
   const auto part = [&](std::size_t k) {
     return outputs["noise_std"][k].get<double>() / outputs["test_mean"][k].get<double>();
   };

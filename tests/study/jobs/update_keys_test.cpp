@@ -10,7 +10,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::k_three_masses_tests;
 using test::StudyFolder;
 using test::WrittenTable;
@@ -25,7 +24,7 @@ double mean_of(const std::vector<double>& values) {
 
 TEST(StudyKeys, LetTheNumberOfSamplesBeChosen) {
   StudyFolder folder;
-  const json result = folder.update_changed({{"samples = 200", "samples = \"auto\""}});
+  const nlohmann::json result = folder.update_changed({{"samples = 200", "samples = \"auto\""}});
   const std::size_t samples = result["sample_size"]["n_model"];
   EXPECT_GE(samples, 100U);
   EXPECT_EQ(folder.table("out/cloud-final.csv").rows.size(), samples);
@@ -40,7 +39,7 @@ TEST(StudyKeys, TakeEveryDistribution) {
         R"(kind = "beta", mean = 2.0, std = 0.3, lower = 1.0, upper = 3.0)",
         R"(kind = "gamma", mean = 2.0, std = 0.3)"}) {
     SCOPED_TRACE(kind);
-    const json result = folder.update_changed({{k_k1, "{ " + kind + " }"}});
+    const nlohmann::json result = folder.update_changed({{k_k1, "{ " + kind + " }"}});
     // All are symmetric or given by their mean.
     EXPECT_NEAR(result["parameters"]["prior_mean"][0].get<double>(), 2.0, 1e-9);
     const std::vector<double> drawn = folder.table("out/cloud-initial.csv").numbers("k1");
@@ -91,7 +90,7 @@ TEST(StudyKeys, TakeDampingRatiosAsOutputs) {
     ++row;
   }
   folder.write("tests.csv", tests);
-  const json result = folder.update_changed(
+  const nlohmann::json result = folder.update_changed(
       {{"springs = [", R"(dampers = [{ name = "c1", between = ["ground", "m1"], damping = 0.05 }])"
                        "\nsprings = ["},
        {"[1, 2, 3]", "[1, 2, 3]\ndamping = [1]"},
@@ -99,7 +98,7 @@ TEST(StudyKeys, TakeDampingRatiosAsOutputs) {
                       R"(distribution = { kind = "normal", mean = 2.0, std = 0.3 })",
         "target = \"damper:c1\"\n"
         R"(distribution = { kind = "gamma", mean = 0.05, std = 0.01 })"}});
-  EXPECT_EQ(result["outputs"]["names"], json({"f1", "f2", "f3", "zeta1"}));
+  EXPECT_EQ(result["outputs"]["names"], nlohmann::json({"f1", "f2", "f3", "zeta1"}));
   EXPECT_EQ(result["outputs"]["units"][3], "-");
   EXPECT_EQ(result["parameters"]["units"][1], "N s/m");
 }
@@ -110,25 +109,27 @@ TEST(StudyKeys, TakeShapesAsOutputs) {
                  {"[outputs]", "[truth]\nspecimens = 12\n\n[outputs]"},
                  {"\"tests.csv\"", "\"drawn/specimens.csv\""}});
   folder.simulate();
-  EXPECT_EQ(folder.update()["outputs"]["names"], json({"f1", "f2", "phi1:m1", "phi1:m3"}));
+  EXPECT_EQ(folder.update()["outputs"]["names"], nlohmann::json({"f1", "f2", "phi1:m1", "phi1:m3"}));
 }
 
 TEST(StudyKeys, TrackModesByShape) {
   StudyFolder folder;
-  const json by_order = folder.update_changed({})["parameters"]["mean"];
-  const json by_mac = folder.update_changed({{"[1, 2, 3]", "[1, 2, 3]\ntracking = \"mac\""}})["parameters"]["mean"];
+  const nlohmann::json by_order = folder.update_changed({})["parameters"]["mean"];
+  const nlohmann::json by_mac =
+      folder.update_changed({{"[1, 2, 3]", "[1, 2, 3]\ntracking = \"mac\""}})["parameters"]["mean"];
   // No mode crosses another in this study, so both say the same up to the kernels' rounding.
   for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(by_order[i].get<double>(), by_mac[i].get<double>(), 1e-9);
 }
 
 TEST(LostModes, AreCountedAndLeftOut) {
   StudyFolder folder;
-  const json result = folder.update_changed({{"[1, 2, 3]", "[1, 2, 3]\ntracking = \"mac\"\nminimum_mac = 0.98"},
-                                             {"samples = 200", "samples = 200\nmax_failed = 1.0"}});
-  const json& failed = result["failed_evaluations"];
+  const nlohmann::json result =
+      folder.update_changed({{"[1, 2, 3]", "[1, 2, 3]\ntracking = \"mac\"\nminimum_mac = 0.98"},
+                             {"samples = 200", "samples = 200\nmax_failed = 1.0"}});
+  const nlohmann::json& failed = result["failed_evaluations"];
   ASSERT_FALSE(failed.empty());
   std::size_t of_first_cloud = 0;
-  for (const json& entry : failed) {
+  for (const nlohmann::json& entry : failed) {
     EXPECT_THAT(entry["reason"].get<std::string>(), testing::HasSubstr("lost"));
     EXPECT_GE(entry["sample"], 0);
     EXPECT_LT(entry["sample"], 200);
@@ -142,7 +143,7 @@ TEST(LostModes, AreCountedAndLeftOut) {
   }
   EXPECT_EQ(lost, of_first_cloud);
   const std::vector<double> states = folder.table("out/clouds.csv").numbers("iteration");
-  for (const json& state : result["iterations"]) {
+  for (const nlohmann::json& state : result["iterations"]) {
     const auto drawn = std::count(states.begin(), states.end(), state["index"].get<double>());
     EXPECT_EQ(drawn, 200 - state["failed"].get<int>()) << state["index"];
   }
@@ -160,8 +161,8 @@ TEST(StudyKeys, LetAParameterBeAFactor) {
   StudyFolder folder;
   const test::TextChange softer{R"(name = "k6", between = ["m1", "m3"], stiffness = 3.0)",
                                 R"(name = "k6", between = ["m1", "m3"], stiffness = 2.0)"};
-  const json values = folder.update_changed({softer, {k_target_k2, "target = \"spring:k6\""}});
-  const json factors =
+  const nlohmann::json values = folder.update_changed({softer, {k_target_k2, "target = \"spring:k6\""}});
+  const nlohmann::json factors =
       folder.update_changed({softer,
                              {k_target_k2 + "\n"
                                             R"(distribution = { kind = "normal", mean = 2.0, std = 0.3 })",
@@ -176,16 +177,17 @@ TEST(StudyKeys, LetAParameterBeAFactor) {
 
 TEST(StudyKeys, LetParametersActOnSeveralElementsAndOnMasses) {
   StudyFolder folder;
-  const json tied = folder.update_changed({{k_target_k2, "target = [\"spring:k2\", \"spring:k5\"]"}});
-  EXPECT_EQ(tied["parameters"]["names"], json({"k1", "k2"}));
-  EXPECT_EQ(folder.update_changed({{k_target_k2, "target = \"mass:m2\""}})["parameters"]["units"], json({"N/m", "kg"}));
+  const nlohmann::json tied = folder.update_changed({{k_target_k2, "target = [\"spring:k2\", \"spring:k5\"]"}});
+  EXPECT_EQ(tied["parameters"]["names"], nlohmann::json({"k1", "k2"}));
+  EXPECT_EQ(folder.update_changed({{k_target_k2, "target = \"mass:m2\""}})["parameters"]["units"],
+            nlohmann::json({"N/m", "kg"}));
 }
 
 TEST(StudyKeys, LetTheDeterministicMethodRegularise) {
   StudyFolder folder;
   for (const std::string regularisation : {"none", "tikhonov", "bayesian"}) {
     SCOPED_TRACE(regularisation);
-    const json result =
+    const nlohmann::json result =
         folder.update_changed({{"method = \"mares\"", "method = \"deterministic\""},
                                {"[update.mares]", "[update.deterministic]\nspecimen = 2\nregularisation = \"" +
                                                       regularisation + "\"\n\n[update.mares]"}});
@@ -199,14 +201,14 @@ TEST(StudyKeys, LetTheDeterministicMethodTakeOneSpecimen) {
   StudyFolder folder;
   const std::vector<std::string> lines = test::lines_of(k_three_masses_tests);
   folder.write("tests.csv", lines[0] + "\n" + lines[1] + "\n");
-  const json result = folder.update_changed({{"method = \"mares\"", "method = \"deterministic\""}});
+  const nlohmann::json result = folder.update_changed({{"method = \"mares\"", "method = \"deterministic\""}});
   EXPECT_EQ(result["status"], "converged");
-  EXPECT_EQ(result["outputs"]["test_count"], json({1, 1, 1}));
+  EXPECT_EQ(result["outputs"]["test_count"], nlohmann::json({1, 1, 1}));
 }
 
 TEST(ImpossibleDraws, AreReplacedAndCounted) {
   StudyFolder folder;
-  const json result = folder.update_changed({{k_k1, R"({ kind = "normal", mean = 0.5, std = 0.4 })"}});
+  const nlohmann::json result = folder.update_changed({{k_k1, R"({ kind = "normal", mean = 0.5, std = 0.4 })"}});
   const int first = result["iterations"][0]["rejected_draws"];
   // Of 200 draws a share of Phi(-1.25) = 0.106 is impossible, each redraw again: 23.6 expected, deviation 5.1.
   EXPECT_GE(first, 3);
@@ -218,14 +220,14 @@ TEST(ImpossibleDraws, AreReplacedAndCounted) {
 }
 
 TEST(StudyKeys, MayEndTheIterationEarlyWhichIsNoEvidence) {
-  const json result = StudyFolder().update_changed({{"iterations = 30", "iterations = 1"}});
+  const nlohmann::json result = StudyFolder().update_changed({{"iterations = 30", "iterations = 1"}});
   EXPECT_EQ(result["status"], "max-iterations");
   EXPECT_EQ(result["verdict"]["conclusion"], "undecided");
 }
 
 TEST(StudyKeys, GiveTheResultItsUnits) {
   EXPECT_EQ(StudyFolder().update_changed({{"units = \"SI\"", "units = \"mm-kg-ms\""}})["outputs"]["units"],
-            json({"kHz", "kHz", "kHz"}));
+            nlohmann::json({"kHz", "kHz", "kHz"}));
 }
 
 TEST(StudyKeys, TakeTheDefaultOfEveryOptionOfEveryMethod) {

@@ -8,7 +8,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::StudyCall;
 using test::StudyFolder;
 using testing::HasSubstr;
@@ -21,18 +20,18 @@ StudyFolder& use_interval(StudyFolder& folder) {
 
 TEST(IntervalJson, HoldsBoxBoundsAndImage) {
   StudyFolder folder;
-  const json result = use_interval(folder).update();
+  const nlohmann::json result = use_interval(folder).update();
   EXPECT_EQ(result["parameters"]["estimate"]["kind"], "box");
   for (std::size_t k = 0; k < 2; ++k) {
     const std::vector<double> ends = test::doubles(result["parameters"]["box"][k]);
     EXPECT_NEAR(0.5 * (ends[0] + ends[1]), result["parameters"]["mean"][k].get<double>(), 1e-12);
     EXPECT_NEAR((ends[1] - ends[0]) / std::sqrt(12.0), result["parameters"]["std"][k].get<double>(), 1e-12);
   }
-  const json& interval = result["interval"];
+  const nlohmann::json& interval = result["interval"];
   EXPECT_EQ(interval["certified"], true);
   EXPECT_EQ(interval["covered"], true);
-  EXPECT_EQ(interval["trends"], json({"rising", "rising"}));
-  for (const json& output : interval["image"]) {
+  EXPECT_EQ(interval["trends"], nlohmann::json({"rising", "rising"}));
+  for (const nlohmann::json& output : interval["image"]) {
     EXPECT_EQ(output["bounds"], output["observed"]);
     EXPECT_LE(output["image"][0], output["bounds"][0]);
     EXPECT_GE(output["image"][1], output["bounds"][1]);
@@ -45,9 +44,9 @@ TEST(IntervalJson, HoldsBoxBoundsAndImage) {
 
 TEST(IntervalJson, IsTheSameWithAnyNumberOfThreadsAndResumed) {
   StudyFolder folder;
-  const json one = use_interval(folder).update({.out = "one"});
-  const json three = folder.update({.out = "three", .threads = 3});
-  const json again = folder.update({.out = "one", .resume = true});
+  const nlohmann::json one = use_interval(folder).update({.out = "one"});
+  const nlohmann::json three = folder.update({.out = "three", .threads = 3});
+  const nlohmann::json again = folder.update({.out = "one", .resume = true});
   for (const char* key : {"parameters", "interval", "outputs", "verdict"}) {
     EXPECT_EQ(one[key].dump(), three[key].dump()) << key;
     EXPECT_EQ(one[key].dump(), again[key].dump()) << key;
@@ -55,7 +54,7 @@ TEST(IntervalJson, IsTheSameWithAnyNumberOfThreadsAndResumed) {
 }
 
 TEST(IntervalJson, IsNullOfOtherMethods) {
-  const json result = StudyFolder().update();
+  const nlohmann::json result = StudyFolder().update();
   EXPECT_TRUE(result["interval"].is_null());
   EXPECT_TRUE(result["parameters"]["box"].is_null());
 }

@@ -10,7 +10,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::StudyFolder;
 using test::TextChange;
 using test::WrittenTable;
@@ -34,7 +33,7 @@ struct PosteriorRun {
     result = folder.update();
   }
   StudyFolder folder;
-  json result;
+  nlohmann::json result;
 };
 
 const PosteriorRun& good_run() {
@@ -43,13 +42,13 @@ const PosteriorRun& good_run() {
 }
 
 TEST(PosteriorFiles, HoldWhatTheResultSays) {
-  const json& result = good_run().result;
-  const json& posterior = result["posterior"];
+  const nlohmann::json& result = good_run().result;
+  const nlohmann::json& posterior = result["posterior"];
   EXPECT_EQ(posterior["chains"], 8);
   EXPECT_EQ(posterior["draws"], 200);
   const WrittenTable draws = good_run().folder.table("out/" + posterior["file"].get<std::string>());
   std::vector<std::string> header{"chain", "draw"};
-  for (const json& name : posterior["names"]) header.push_back(name);
+  for (const nlohmann::json& name : posterior["names"]) header.push_back(name);
   EXPECT_EQ(draws.header, header);
   ASSERT_EQ(draws.rows.size(), 1600U);
   for (std::size_t i = 0; i < draws.rows.size(); ++i) {
@@ -68,18 +67,18 @@ TEST(PosteriorFiles, HoldWhatTheResultSays) {
 }
 
 TEST(PosteriorFiles, HaveAnEvidenceWithItsInterval) {
-  const json& result = good_run().result;
-  const json& evidence = result["evidence"];
+  const nlohmann::json& result = good_run().result;
+  const nlohmann::json& evidence = result["evidence"];
   EXPECT_LT(evidence["ci95"][0], evidence["ln_evidence"]);
   EXPECT_LT(evidence["ln_evidence"], evidence["ci95"][1]);
   EXPECT_EQ(result["parameters"]["estimate"]["log_evidence"], evidence["ln_evidence"]);
   double probability = 0.0;
-  for (const json& mode : result["modes"]) probability += mode["probability"].get<double>();
+  for (const nlohmann::json& mode : result["modes"]) probability += mode["probability"].get<double>();
   EXPECT_NEAR(probability, 1.0, 1e-12);
 }
 
 TEST(PosteriorFiles, AreInTheLayoutOfArviz) {
-  const json groups = json::parse(good_run().folder.text("out/posterior.json"));
+  const nlohmann::json groups = nlohmann::json::parse(good_run().folder.text("out/posterior.json"));
   std::set<std::string> names;
   for (const auto& [name, group] : groups.items()) names.insert(name);
   EXPECT_EQ(names, (std::set<std::string>{"posterior", "log_likelihood", "posterior_predictive", "observed_data"}));
@@ -87,23 +86,23 @@ TEST(PosteriorFiles, AreInTheLayoutOfArviz) {
   std::vector<std::string> parameters;
   for (const auto& [name, chains] : ordered["posterior"].items()) parameters.push_back(name);
   parameters.emplace_back("log_likelihood");
-  EXPECT_EQ(json(parameters), good_run().result["posterior"]["names"]);
+  EXPECT_EQ(nlohmann::json(parameters), good_run().result["posterior"]["names"]);
   for (const char* group : {"posterior", "log_likelihood", "posterior_predictive"}) {
-    for (const json& variable : groups[group]) {
+    for (const nlohmann::json& variable : groups[group]) {
       ASSERT_EQ(variable.size(), 8U);
-      for (const json& chain : variable) EXPECT_EQ(chain.size(), 200U);
+      for (const nlohmann::json& chain : variable) EXPECT_EQ(chain.size(), 200U);
     }
   }
-  for (const json& values : groups["observed_data"]) EXPECT_EQ(values.size(), 6U);
+  for (const nlohmann::json& values : groups["observed_data"]) EXPECT_EQ(values.size(), 6U);
 }
 
 TEST(PosteriorFiles, HaveSpecimensWhoseLogLikelihoodsAddUpToThatOfTheTable) {
-  const json& posterior = good_run().result["posterior"];
-  const json groups = json::parse(good_run().folder.text("out/posterior.json"));
+  const nlohmann::json& posterior = good_run().result["posterior"];
+  const nlohmann::json groups = nlohmann::json::parse(good_run().folder.text("out/posterior.json"));
   const std::vector<double> sums = good_run().folder.table("out/posterior.csv").numbers("log_likelihood");
   std::size_t draw = 0;
-  for (const json& chain : groups["log_likelihood"]["tests"]) {
-    for (const json& specimens : chain) {
+  for (const nlohmann::json& chain : groups["log_likelihood"]["tests"]) {
+    for (const nlohmann::json& specimens : chain) {
       const std::vector<double> values = test::doubles(specimens);
       EXPECT_NEAR(std::accumulate(values.begin(), values.end(), 0.0), sums.at(draw++), 1e-9);
     }
@@ -116,17 +115,17 @@ TEST(PosteriorFiles, HaveSpecimensWhoseLogLikelihoodsAddUpToThatOfTheTable) {
 }
 
 TEST(PosteriorFiles, HaveRanksAndPredictionsOfEachChain) {
-  const json& posterior = good_run().result["posterior"];
-  for (const json& name : posterior["ranks"]["counts"]) {
+  const nlohmann::json& posterior = good_run().result["posterior"];
+  for (const nlohmann::json& name : posterior["ranks"]["counts"]) {
     ASSERT_EQ(name.size(), 8U);
-    for (const json& chain : name) {
+    for (const nlohmann::json& chain : name) {
       EXPECT_EQ(chain.size(), posterior["ranks"]["bins"]);
       const std::vector<int> counts = chain;
       EXPECT_EQ(std::accumulate(counts.begin(), counts.end(), 0), 200);
     }
   }
   ASSERT_EQ(posterior["predictive"]["tests"].size(), 3U);
-  for (const json& row : posterior["predictive"]["tests"]) EXPECT_EQ(row.size(), 5U);
+  for (const nlohmann::json& row : posterior["predictive"]["tests"]) EXPECT_EQ(row.size(), 5U);
 }
 
 TEST(PosteriorFiles, AreTheSameWithAnyNumberOfThreads) {
@@ -146,7 +145,7 @@ TEST(PosteriorFiles, OfOneSpecimenSayWhyItIsNotLeftOut) {
   folder.write("study.toml", posterior_study());
   const std::vector<std::string> lines = test::lines_of(test::k_three_masses_tests);
   folder.write("tests.csv", lines[0] + "\n" + lines[1] + "\n");
-  const json posterior = folder.update()["posterior"];
+  const nlohmann::json posterior = folder.update()["posterior"];
   EXPECT_TRUE(posterior["leave_one_out"].is_null());
   EXPECT_THAT(posterior["not_left_out"].get<std::string>(), HasSubstr("two specimens"));
 }
@@ -156,7 +155,7 @@ TEST(PosteriorFiles, OfAnEarlierRunDoNotStay) {
   folder.write("study.toml", posterior_study());
   folder.update();
   EXPECT_TRUE(folder.has("out/posterior.csv"));
-  const json result = folder.update_changed({});  // another method has none
+  const nlohmann::json result = folder.update_changed({});  // another method has none
   EXPECT_TRUE(result["evidence"].is_null());
   EXPECT_TRUE(result["posterior"].is_null());
   EXPECT_TRUE(result["modes"].empty());
@@ -167,8 +166,8 @@ TEST(PosteriorFiles, OfAnEarlierRunDoNotStay) {
 TEST(PosteriorNoise, IsSampledWhereItHasNoNumber) {
   StudyFolder folder;
   folder.write("study.toml", posterior_study("bayes", {{k_repeatability, ""}}));
-  const json result = folder.update();
-  EXPECT_EQ(result["posterior"]["names"], json({"k1", "k2", "noise:f", "log_likelihood"}));
+  const nlohmann::json result = folder.update();
+  EXPECT_EQ(result["posterior"]["names"], nlohmann::json({"k1", "k2", "noise:f", "log_likelihood"}));
   EXPECT_EQ(result["verdict"]["conclusion"], "undecided");
 }
 
@@ -183,7 +182,7 @@ TEST(PosteriorNoise, LetsAnOutputOfOneSpecimenCount) {
   for (const auto& [method, first_test] :
        {std::pair<std::string, std::string>{"bayes", "residuals"}, {"hierarchical", "mean-residuals"}}) {
     folder.write("study.toml", posterior_study(method));
-    const json result = folder.update();
+    const nlohmann::json result = folder.update();
     EXPECT_EQ(result["status"], "converged") << method;
     EXPECT_EQ(result["verdict"]["tests"][0]["name"], first_test);
   }

@@ -7,33 +7,32 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::StudyFolder;
 using testing::AnyOf;
 
 /// The result of the study of three masses.
-const json& good_result() {
-  static const json result = StudyFolder().update();
+const nlohmann::json& good_result() {
+  static const nlohmann::json result = StudyFolder().update();
   return result;
 }
 
-void expect_vector(const json& value, std::size_t size) {
+void expect_vector(const nlohmann::json& value, std::size_t size) {
   ASSERT_EQ(value.size(), size) << value;
-  for (const json& entry : value) EXPECT_TRUE(entry.is_number()) << value;
+  for (const nlohmann::json& entry : value) EXPECT_TRUE(entry.is_number()) << value;
 }
 
-void expect_matrix(const json& value, std::size_t rows, std::size_t columns) {
+void expect_matrix(const nlohmann::json& value, std::size_t rows, std::size_t columns) {
   ASSERT_EQ(value.size(), rows) << value;
-  for (const json& row : value) expect_vector(row, columns);
+  for (const nlohmann::json& row : value) expect_vector(row, columns);
 }
 
-void expect_sentences(const json& list) {
+void expect_sentences(const nlohmann::json& list) {
   EXPECT_FALSE(list.empty());
-  for (const json& sentence : list) EXPECT_TRUE(sentence.get<std::string>().ends_with('.')) << sentence;
+  for (const nlohmann::json& sentence : list) EXPECT_TRUE(sentence.get<std::string>().ends_with('.')) << sentence;
 }
 
 TEST(ResultJson, NamesVersionStudyMethodAndSeed) {
-  const json& result = good_result();
+  const nlohmann::json& result = good_result();
   EXPECT_EQ(result["schema"], 1);
   EXPECT_EQ(result["mottle"], version());
   EXPECT_EQ(result["title"], "A study for tests");
@@ -45,8 +44,8 @@ TEST(ResultJson, NamesVersionStudyMethodAndSeed) {
 }
 
 TEST(ResultJson, HoldsPriorAndEstimateOfTheParameters) {
-  const json& parameters = good_result()["parameters"];
-  EXPECT_EQ(parameters["names"], json({"k1", "k2"}));
+  const nlohmann::json& parameters = good_result()["parameters"];
+  EXPECT_EQ(parameters["names"], nlohmann::json({"k1", "k2"}));
   for (const char* key : {"prior_mean", "prior_std", "mean", "std"}) expect_vector(parameters[key], 2);
   expect_matrix(parameters["covariance"], 2, 2);
   for (const char* key : {"mean_ci95", "std_ci95"}) {
@@ -54,11 +53,11 @@ TEST(ResultJson, HoldsPriorAndEstimateOfTheParameters) {
     if (!parameters[key].is_null()) expect_matrix(parameters[key], 2, 2);
   }
   ASSERT_EQ(parameters["at_bound"].size(), 2U);
-  for (const json& bound : parameters["at_bound"]) {
+  for (const nlohmann::json& bound : parameters["at_bound"]) {
     EXPECT_TRUE(bound.is_null() || bound == "lower" || bound == "upper") << bound;
   }
-  EXPECT_EQ(parameters["prior_mean"], json({2.0, 2.0}));
-  EXPECT_EQ(parameters["scale"], json({"identity", "identity"}));
+  EXPECT_EQ(parameters["prior_mean"], nlohmann::json({2.0, 2.0}));
+  EXPECT_EQ(parameters["scale"], nlohmann::json({"identity", "identity"}));
   for (std::size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(parameters["prior"][i]["kind"], "normal");
     EXPECT_EQ(parameters["prior"][i]["mean"], 2.0);
@@ -68,10 +67,10 @@ TEST(ResultJson, HoldsPriorAndEstimateOfTheParameters) {
 }
 
 TEST(ResultJson, HoldsMeansAndCovariancesOfTheOutputs) {
-  const json& outputs = good_result()["outputs"];
-  EXPECT_EQ(outputs["names"], json({"f1", "f2", "f3"}));
-  EXPECT_EQ(outputs["units"], json({"Hz", "Hz", "Hz"}));
-  EXPECT_EQ(outputs["test_count"], json({6, 6, 6}));
+  const nlohmann::json& outputs = good_result()["outputs"];
+  EXPECT_EQ(outputs["names"], nlohmann::json({"f1", "f2", "f3"}));
+  EXPECT_EQ(outputs["units"], nlohmann::json({"Hz", "Hz", "Hz"}));
+  EXPECT_EQ(outputs["test_count"], nlohmann::json({6, 6, 6}));
   for (const char* key : {"test_mean", "initial_mean", "final_mean"}) expect_vector(outputs[key], 3);
   for (const char* key : {"test_covariance", "initial_covariance", "final_covariance"}) {
     expect_matrix(outputs[key], 3, 3);
@@ -79,9 +78,9 @@ TEST(ResultJson, HoldsMeansAndCovariancesOfTheOutputs) {
 }
 
 TEST(ResultJson, HoldsEachIteration) {
-  const json& iterations = good_result()["iterations"];
+  const nlohmann::json& iterations = good_result()["iterations"];
   for (std::size_t i = 0; i < iterations.size(); ++i) {
-    const json& state = iterations[i];
+    const nlohmann::json& state = iterations[i];
     EXPECT_EQ(state["index"], i);
     EXPECT_TRUE(state["distance_euclidean"].is_number());
     EXPECT_TRUE(state["distance_mahalanobis"].is_number());
@@ -93,15 +92,15 @@ TEST(ResultJson, HoldsEachIteration) {
 }
 
 TEST(ResultJson, HoldsTheAnalysisOfTheLastCloud) {
-  const json& result = good_result();
+  const nlohmann::json& result = good_result();
   expect_matrix(result["regression"]["sensitivity"], 3, 2);
   expect_vector(result["regression"]["r_squared"], 3);
   EXPECT_TRUE(result["regression"]["condition"].is_number());
   expect_matrix(result["spearman"], 2, 3);
-  for (const json& row : result["spearman"]) {
-    for (const json& value : row) EXPECT_LE(std::abs(value.get<double>()), 1.0);
+  for (const nlohmann::json& row : result["spearman"]) {
+    for (const nlohmann::json& value : row) EXPECT_LE(std::abs(value.get<double>()), 1.0);
   }
-  const json& size = result["sample_size"];
+  const nlohmann::json& size = result["sample_size"];
   EXPECT_EQ(size["alpha"], 0.05);
   EXPECT_EQ(size["n_test"], 6);
   EXPECT_EQ(size["n_model"], 200);
@@ -110,12 +109,12 @@ TEST(ResultJson, HoldsTheAnalysisOfTheLastCloud) {
 }
 
 TEST(ResultJson, HoldsTheVerdictWithItsTestsAndReasons) {
-  const json& verdict = good_result()["verdict"];
+  const nlohmann::json& verdict = good_result()["verdict"];
   EXPECT_EQ(verdict["conclusion"], "undecided");  // mares does not estimate the scatter
   EXPECT_TRUE(verdict["adequate"].is_null());
   EXPECT_EQ(verdict["level"], 0.05);
   EXPECT_FALSE(verdict["tests"].empty());
-  for (const json& hypothesis : verdict["tests"]) {
+  for (const nlohmann::json& hypothesis : verdict["tests"]) {
     for (const char* key : {"name", "statistic", "critical", "p_value", "passed", "meaning"}) {
       EXPECT_TRUE(hypothesis.contains(key)) << key;
     }
@@ -125,7 +124,7 @@ TEST(ResultJson, HoldsTheVerdictWithItsTestsAndReasons) {
 }
 
 TEST(ResultJson, HoldsIdentifiabilityAndCounts) {
-  const json& result = good_result();
+  const nlohmann::json& result = good_result();
   EXPECT_EQ(result["identifiability"]["rank"], 2);
   expect_vector(result["identifiability"]["singular_values"], 2);
   EXPECT_TRUE(result["identifiability"]["unseen_directions"].empty());
@@ -133,7 +132,7 @@ TEST(ResultJson, HoldsIdentifiabilityAndCounts) {
   EXPECT_EQ(result["model_evaluations"], 200 * result["iterations"].size() + 6);
   EXPECT_TRUE(result["failed_evaluations"].empty());
   EXPECT_FALSE(result["timings_s"].empty());
-  for (const json& seconds : result["timings_s"]) EXPECT_GE(seconds.get<double>(), 0.0);
+  for (const nlohmann::json& seconds : result["timings_s"]) EXPECT_GE(seconds.get<double>(), 0.0);
 }
 
 TEST(ResultJson, ShowsAFactorWithTheNumberThatItGives) {
@@ -145,9 +144,9 @@ TEST(ResultJson, ShowsAFactorWithTheNumberThatItGives) {
        {"target = \"spring:k2\"\n", "target = [\"spring:k2\", \"spring:k6\"]\nrelative = true\n"},
        {"\"mares\"\nsamples", "\"perturbation\"\nsamples"}});
   const UpdateOutcome outcome = update(folder.study(), {});
-  const json parameters = json::parse(result_text(outcome))["parameters"];
-  EXPECT_EQ(parameters["factor_of"], json({1.0, nullptr}));  // k2 and k6 are different numbers
-  EXPECT_EQ(parameters["factor_units"], json({"N/m", nullptr}));
+  const nlohmann::json parameters = nlohmann::json::parse(result_text(outcome))["parameters"];
+  EXPECT_EQ(parameters["factor_of"], nlohmann::json({1.0, nullptr}));  // k2 and k6 are different numbers
+  EXPECT_EQ(parameters["factor_units"], nlohmann::json({"N/m", nullptr}));
   const std::string lines = fmt::format("{}\n", fmt::join(summarise(outcome, folder / "out").lines, "\n"));
   EXPECT_THAT(lines, testing::HasSubstr(fmt::format(" {:.5g} N/m\n", parameters["mean"][0].get<double>())));
   EXPECT_THAT(lines, testing::ContainsRegex("\nnext .in [^ ]+.: mottle [a-z]+ study.toml\n"));

@@ -8,7 +8,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::StudyCall;
 using test::StudyFolder;
 using test::untimed;
@@ -16,7 +15,7 @@ using test::WrittenTable;
 
 TEST(UpdateFiles, HaveARowAStateInTheHistory) {
   StudyFolder folder;
-  const json result = folder.update();
+  const nlohmann::json result = folder.update();
   const WrittenTable history = folder.table("out/history.csv");
   EXPECT_EQ(history.header, (std::vector<std::string>{"iteration", "distance_euclidean", "distance_mahalanobis",
                                                       "k1_mean", "k2_mean", "k1_std", "k2_std", "f1_mean", "f2_mean",
@@ -28,7 +27,7 @@ TEST(UpdateFiles, HaveARowAStateInTheHistory) {
 
 TEST(UpdateFiles, HaveARowASampleInTheClouds) {
   StudyFolder folder;
-  const json result = folder.update();
+  const nlohmann::json result = folder.update();
   for (const auto& [name, key] :
        {std::pair{"out/cloud-initial.csv", "initial_mean"}, std::pair{"out/cloud-final.csv", "final_mean"}}) {
     const WrittenTable cloud = folder.table(name);
@@ -50,20 +49,21 @@ TEST(UpdateFiles, LeaveNoJournal) {
 TEST(StudyAsRun, GivesTheSameNumbers) {
   StudyFolder folder;
   folder.change({{"bounds = [0.5, 3.0]", "bounds = [0.1, 3.0]"}});
-  const json first = folder.update({.set = {"update.samples=300"}, .seed = 11});
+  const nlohmann::json first = folder.update({.set = {"update.samples=300"}, .seed = 11});
   EXPECT_EQ(untimed(folder.update({.study = "out/study.toml", .out = "again"})), untimed(first));
   EXPECT_EQ(folder.text("again/cloud-final.csv"), folder.text("out/cloud-final.csv"));
 }
 
 TEST(StudyAsRun, KeepsTheOrderOfMasses) {
   StudyFolder folder;
-  const json first = folder.update_changed({{"m1 = 1.0, m2 = 1.0, m3 = 1.0", "m3 = 1.1, m1 = 1.3, m2 = 0.7"}});
+  const nlohmann::json first =
+      folder.update_changed({{"m1 = 1.0, m2 = 1.0, m3 = 1.0", "m3 = 1.1, m1 = 1.3, m2 = 0.7"}});
   EXPECT_EQ(untimed(folder.update({.study = "out/study.toml", .out = "again"})), untimed(first));
 }
 
 TEST(StudyAsRun, HoldsOverriddenValues) {
   StudyFolder folder;
-  const json first = folder.update(
+  const nlohmann::json first = folder.update(
       {.set = {"parameter.k2.distribution.mean=1.7", "model.springs.k6.stiffness=2.9", "model.masses.m2=1.1",
                R"(title="Ü \"quoted\" # title")", "update.deterministic.specimen=2"}});
   EXPECT_EQ(first["title"], "Ü \"quoted\" # title");
@@ -80,8 +80,8 @@ TEST(StudyAsRun, FindsItsTestsFromALinkedFolder) {
 
 TEST(Seed, ChangesTheDrawAndNothingElse) {
   StudyFolder folder;
-  const json first = folder.update({.seed = 1});
-  const json second = folder.update({.seed = 2});
+  const nlohmann::json first = folder.update({.seed = 1});
+  const nlohmann::json second = folder.update({.seed = 2});
   EXPECT_EQ(first["seed"], 1);
   EXPECT_EQ(second["seed"], 2);
   EXPECT_EQ(first["outputs"]["test_mean"], second["outputs"]["test_mean"]);

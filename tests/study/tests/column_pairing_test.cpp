@@ -8,7 +8,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::k_three_masses_tests;
 using test::StudyFolder;
 using test::TextChange;
@@ -47,7 +46,7 @@ std::string refusal_of(const std::string& table, const std::vector<TextChange>& 
 TEST(PairColumns, GivesTheSameNumbersInAnotherOrderAndNumbering) {
   StudyFolder folder;
   const auto estimate = [&] {
-    const json parameters = folder.update()["parameters"];
+    const nlohmann::json parameters = folder.update()["parameters"];
     return std::pair{parameters["mean"], parameters["std"]};
   };
   const auto expected = estimate();

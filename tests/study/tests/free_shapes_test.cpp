@@ -9,7 +9,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::edited;
 using test::StudyFolder;
 using testing::HasSubstr;
@@ -91,7 +90,7 @@ void write_modes(const StudyFolder& folder, const std::function<double(int speci
   }
 }
 
-json updated(StudyFolder& folder, const std::vector<test::TextChange>& changes = {}) {
+nlohmann::json updated(StudyFolder& folder, const std::vector<test::TextChange>& changes = {}) {
   folder.write("study.toml", edited(k_study, changes));
   return folder.update();
 }
@@ -99,10 +98,10 @@ json updated(StudyFolder& folder, const std::vector<test::TextChange>& changes =
 TEST(FreeShapes, FindTheTruthWhateverTheirSize) {
   StudyFolder folder;
   write_modes(folder, [](int, int) { return 1.0; });
-  const json first = updated(folder);
+  const nlohmann::json first = updated(folder);
   write_modes(folder, [](int s, int mode) { return (s % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, s % 7 - 3) * mode; });
-  const json other = updated(folder);
-  EXPECT_EQ(first["outputs"]["names"], json({"f1", "f2", "phi1:m1", "phi1:m2", "phi2:m2", "phi2:m3"}));
+  const nlohmann::json other = updated(folder);
+  EXPECT_EQ(first["outputs"]["names"], nlohmann::json({"f1", "f2", "phi1:m1", "phi1:m2", "phi2:m2", "phi2:m3"}));
   for (std::size_t k = 0; k < 2; ++k) {
     const double mean = first["parameters"]["mean"][k];
     const double std = first["parameters"]["std"][k];
@@ -121,7 +120,7 @@ TEST(FreeShapes, AreComparedByTheirDirectionsByAllMethods) {
   write_modes(folder, [](int s, int) { return 3.0 + s; });
   for (const std::string method :
        {"mares", "deterministic", "inversion", "perturbation", "moment-matching", "covariance-adjustment"}) {
-    const json result = updated(folder, {{"maximum-likelihood", method}});
+    const nlohmann::json result = updated(folder, {{"maximum-likelihood", method}});
     for (std::size_t k = 0; k < 2; ++k) {
       // First-order methods start 1.9 standard deviations of the prior away.
       EXPECT_NEAR(result["parameters"]["mean"][k].get<double>(), k_true_mean[k], 0.05) << method;
@@ -141,7 +140,7 @@ TEST(FreeShapes, MayBeSaidToBeMassNormalised) {
 TEST(FreeShapes, MayStandInATableOfOutputs) {
   const std::vector<std::string> names{"f1", "f2", "phi1:m1", "phi1:m2", "phi1:m3", "phi2:m1", "phi2:m2", "phi2:m3"};
   StudyFolder folder;
-  std::vector<json> means;
+  std::vector<nlohmann::json> means;
   for (const double factor : {1.0, -20.0}) {
     std::vector<std::vector<double>> rows(40);
     for (std::size_t s = 0; s < rows.size(); ++s) {
@@ -150,7 +149,8 @@ TEST(FreeShapes, MayStandInATableOfOutputs) {
       }
     }
     folder.write("tests.csv", test::csv_text(fmt::format("{}", fmt::join(names, ",")), rows));
-    const json result = updated(folder, {{"\"m3\"] }", "\"m3\"], size = \"free\" }"}, {"modes-*.csv", "tests.csv"}});
+    const nlohmann::json result =
+        updated(folder, {{"\"m3\"] }", "\"m3\"], size = \"free\" }"}, {"modes-*.csv", "tests.csv"}});
     EXPECT_EQ(result["outputs"]["names"].size(), 6U);
     means.push_back(result["parameters"]["mean"]);
   }
@@ -170,7 +170,7 @@ TEST(FreeShapes, ThatMissAComponentAreLeftOutAndSaidToBe) {
 TEST(FreeShapes, LeaveOutASpecimenOfWhichNothingIsLeft) {
   StudyFolder folder;
   write_modes(folder, [](int s, int) { return s == 0 ? 0.0 : 2.0; });
-  const json result = updated(folder);
+  const nlohmann::json result = updated(folder);
   EXPECT_THAT(test::sentences(result["notes"]), testing::ContainsRegex("no output is left.*specimen 1;"));
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_NEAR(result["parameters"]["mean"][k].get<double>(), k_true_mean[k], 4.0 * k_true_std[k] / std::sqrt(39.0));
@@ -214,7 +214,7 @@ noise = { "f*" = "0.01 %", "phi*" = 0.002 }
   folder.simulate();
   for (const std::string method : {"maximum-likelihood", "deterministic", "mares"}) {
     folder.write("study.toml", edited(two, {{"maximum-likelihood", method}}));
-    const json mean = folder.update()["parameters"]["mean"];
+    const nlohmann::json mean = folder.update()["parameters"]["mean"];
     EXPECT_NEAR(mean[0].get<double>(), 1.26, 4.0 * 0.03 / std::sqrt(40.0)) << method;
     EXPECT_NEAR(mean[1].get<double>(), 1.0, 4.0 * 0.03 / std::sqrt(40.0)) << method;
   }

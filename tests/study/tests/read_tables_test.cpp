@@ -8,7 +8,6 @@
 namespace mottle::study {
 namespace {
 
-using nlohmann::json;
 using test::edited;
 using test::k_three_masses_tests;
 using test::StudyFolder;
@@ -39,14 +38,14 @@ std::string scaled(double factor) {
 }
 
 /// A result but for its notes, which tell of the table.
-json numbers(json result) {
+nlohmann::json numbers(nlohmann::json result) {
   result.erase("notes");
   return test::untimed(std::move(result));
 }
 
 TEST(TestTable, IsTheSameInTheHabitsOfOtherPrograms) {
   StudyFolder folder;
-  const json expected = numbers(folder.update());
+  const nlohmann::json expected = numbers(folder.update());
   const std::string good = k_three_masses_tests;
   for (const auto& [habit, table] : std::vector<std::pair<std::string, std::string>>{
            {"semicolons", replaced(good, ",", ";")},
@@ -72,8 +71,8 @@ TEST(TestTable, IsTheSameInTheHabitsOfOtherPrograms) {
 TEST(TestTable, MayHaveGaps) {
   StudyFolder folder;
   folder.write("tests.csv", edited(k_three_masses_tests, {{"0.3080098662667982", ""}, {"0.44854953970272743", "nan"}}));
-  const json outputs = folder.update()["outputs"];
-  EXPECT_EQ(outputs["test_count"], json({6, 5, 5}));
+  const nlohmann::json outputs = folder.update()["outputs"];
+  EXPECT_EQ(outputs["test_count"], nlohmann::json({6, 5, 5}));
   double sum = 0.0;
   const auto rows = test::numbers_of(k_three_masses_tests);
   for (std::size_t i = 0; i < rows.size(); ++i) sum += i == 1 ? 0.0 : rows[i][1];
@@ -85,8 +84,8 @@ TEST(TestTable, HasItsUnusedColumnsNoted) {
   folder.write("tests.csv", each_line([](std::size_t number, const std::string& line) {
                  return line + (number == 0 ? ",f4,k1,specimen" : fmt::format(",0.6,1.0,S{}", number));
                }));
-  const json notes = folder.update()["notes"];
-  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const json& note) {
+  const nlohmann::json notes = folder.update()["notes"];
+  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const nlohmann::json& note) {
     const std::string text = note;
     return text.find("f4") != std::string::npos && text.find("k1") != std::string::npos;
   })) << notes;
@@ -115,7 +114,7 @@ TEST(TestTable, OfIdenticalSpecimensWithUnknownNoiseLeavesTheVerdictUndecided) {
   StudyFolder folder;
   const std::vector<std::string> lines = test::lines_of(k_three_masses_tests);
   folder.write("tests.csv", fmt::format("{}\n{}\n{}\n{}\n", lines[0], lines[1], lines[1], lines[1]));
-  const json verdict = folder.update({.set = {"update.method=\"maximum-likelihood\""}})["verdict"];
+  const nlohmann::json verdict = folder.update({.set = {"update.method=\"maximum-likelihood\""}})["verdict"];
   EXPECT_EQ(verdict["conclusion"], "undecided");
   EXPECT_THAT(test::sentences(verdict["not_tested"]), HasSubstr("the specimens are the same to the last digits"));
 }
@@ -124,7 +123,7 @@ TEST(TestTable, OfCase2IsNotExplainedByItsModel) {
   StudyFolder folder;
   const std::filesystem::path example = std::filesystem::path(MOTTLE_SOURCE_DIR) / "examples/01-three-masses";
   for (const char* name : {"case2.toml", "specimens-case2.csv"}) folder.write(name, read_file(example / name));
-  const json result = folder.update({.study = "case2.toml"});
+  const nlohmann::json result = folder.update({.study = "case2.toml"});
   EXPECT_EQ(result["verdict"]["adequate"], false);
   EXPECT_EQ(result["parameters"]["at_bound"][1], "lower");
 }

@@ -10,7 +10,6 @@ namespace {
 
 using test::all_points;
 using test::expect_closed_form;
-using test::k_errors;
 using test::LinearNormal;
 
 TEST(GradientMoves, HaveTheClosedFormOfALinearModelOfThirtyParameters) {
@@ -85,7 +84,7 @@ TEST(GradientMoves, KeepToWhatIsPossible) {
   EXPECT_GT(draws.col(0).minCoeff(), 0.0);
   const double std = std::sqrt(exact.covariance(0, 0));
   EXPECT_NEAR(draws.col(0).mean(), std * std::sqrt(2.0 / std::numbers::pi),
-              k_errors * std * std::sqrt((1.0 - 2.0 / std::numbers::pi) / 2000.0));
+              test::k_errors * std * std::sqrt((1.0 - 2.0 / std::numbers::pi) / 2000.0));
 }
 
 TEST(GradientMoves, GiveTheSameBitsAtAnyNumberOfThreads) {
