@@ -66,11 +66,8 @@ async function measure_screen_and_paper(study) {
   const print_all = (on) => page.evaluate((all) => document.documentElement.classList.toggle("print-all", all), on);
   const tools = (await measured(page)).tools;
   const colours = await darken(study);
-  // At once: the drawings are made anew for each frame between the two.
-  await Promise.all([
-    page.setViewportSize(paper),
-    page.emulateMedia({ colorScheme: colours ? "dark" : null, media: "print" }),
-  ]);
+  await page.emulateMedia({ colorScheme: colours ? "dark" : null, media: "print" });
+  await page.setViewportSize(paper);
   if (colours) await until_text(page, colours.light.text, { is_same: true });
   const background = await background_of(page);
   const layouts = [];

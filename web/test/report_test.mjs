@@ -11,7 +11,7 @@ import { mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
 import { parseArgs } from "node:util";
 import { in_readable_units } from "../src/units.js";
-import { open_browser } from "./browser.mjs";
+import { open_browser, patience } from "./browser.mjs";
 import { checks } from "./checks.mjs";
 import { compare_checks } from "./compare_checks.mjs";
 import { first_screen_checks } from "./first_screen_checks.mjs";
@@ -90,9 +90,18 @@ function is_due(what) {
 let passed = 0;
 const failures = [];
 
+/** Some of the driver's commands wait without end where the browser hangs: the check that hangs is to be named. */
+function within_patience(check) {
+  let timer = null;
+  const too_late = new Promise((_, reject) => {
+    timer = setTimeout(() => reject(new Error(`not done after ${(2 * patience) / 1000} s`)), 2 * patience);
+  });
+  return Promise.race([check, too_late]).finally(() => clearTimeout(timer));
+}
+
 async function fulfils(page, name, claim, check) {
   try {
-    await check();
+    await within_patience(check());
     passed += 1;
     console.log(`ok    ${claim}`);
     return true;
