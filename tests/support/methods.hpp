@@ -33,9 +33,9 @@ inline std::vector<std::string> population_estimators() {
 
 /// The method of that name as the tests of every method take it: as a study does that states no options, but for
 /// a sampler of populations, whose fewer particles are quick.
-inline std::unique_ptr<Updater> tested_method(const std::string& name, std::int64_t particles = 200) {
-  return find_method(name).make(name == "hierarchical" ? OptionValues{{"particles", particles}} : OptionValues{},
-                                "test");
+inline std::unique_ptr<Updater> tested_method(const std::string& name) {
+  return find_method(name).make(
+      name == "hierarchical" ? OptionValues{{"particles", std::int64_t{200}}} : OptionValues{}, "test");
 }
 
 /// Names of tests hold no dash.

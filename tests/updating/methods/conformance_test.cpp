@@ -94,11 +94,14 @@ TEST_P(EveryMethod, GivesAnEstimateOfWhichItsMomentsAre) {
 
 TEST_P(EveryMethod, RepeatsUnderItsSeedAtAnyThreadCount) {
   const test::ThreeMasses structure;
-  // Six specimens and the fewest particles: what is compared are bits, and the sampler of populations is slow.
+  // What is compared are bits, and the sampler of populations is slow: six specimens, particles few and moved little.
+  const OptionValues brief{{"particles", std::int64_t{100}}, {"decorrelation", 0.9}};
   const Eigen::MatrixXd specimens = test::oracle_parameters().topRows(6);
   const UpdatingProblem problem = structure.problem(test::frequencies_of(structure, specimens));
   const auto update_with = [&](int threads) {
-    return test::tested_method(GetParam(), 100)->update(problem, {.seed = 5, .threads = threads});
+    const MethodEntry& entry = find_method(GetParam());
+    return entry.make(entry.name == "hierarchical" ? brief : OptionValues{}, "test")
+        ->update(problem, {.seed = 5, .threads = threads});
   };
   const UpdatingResult once = update_with(1);
   const UpdatingResult again = update_with(3);

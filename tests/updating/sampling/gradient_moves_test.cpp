@@ -16,16 +16,6 @@ TEST(GradientMoves, HaveTheClosedFormOfALinearModelOfThirtyParameters) {
   test::expect_closed_form_along_gradients(30);
 }
 
-std::int64_t cost(Eigen::Index dimension, GradientMoves gradients) {
-  const LinearNormal linear(dimension);
-  sample_posterior(linear.target(), {.particles = 300, .gradients = gradients}, {});
-  return linear.evaluations;
-}
-
-TEST(GradientMoves, TakeFewerEvaluationsThanOthersInThirtyDimensions) {
-  EXPECT_LT(4 * cost(30, GradientMoves::always), cost(30, GradientMoves::never));
-}
-
 TEST(GradientMoves, AreForMoreThanFifteenDimensions) {
   for (const Eigen::Index dimension : {Eigen::Index{15}, Eigen::Index{16}}) {
     const LinearNormal linear(dimension);
