@@ -45,11 +45,11 @@ Eigen::RowVectorXd principal_values(const Eigen::RowVectorXd& values, Eigen::Ind
     for (Eigen::Index j = 0; j < count; ++j) {
       form(j, j) = values(first + j);
       for (Eigen::Index i = 0; i < j; ++i) {
-        form(j, i) = 0.5 * (values(pair++) - values(first + i) - values(first + j));
+        form(i, j) = form(j, i) = 0.5 * (values(pair++) - values(first + i) - values(first + j));
       }
     }
     if (!form.allFinite()) continue;  // fractions of the energy that a rigid-body motion has not
-    result.segment(first, count) = symmetric_eigenvalues(form).transpose();  // of lower triangles
+    result.segment(first, count) = symmetric_eigenvalues(form).transpose();
   }
   return result;
 }
