@@ -7,7 +7,6 @@ tests/study.
 import json
 import math
 import shutil
-import unittest
 
 import support
 from support import STUDY, TESTS, THREE_MASSES, edited, numbers, read_csv, read_result
