@@ -122,9 +122,9 @@ TEST(BlasKernels, ChosenInTheProcessComputeTheBitsOfThoseNamedAtTheStart) {
   // Anything in the environment would have named them already.
   EXPECT_EQ(std::getenv("OPENBLAS_CORETYPE"), nullptr);
   const std::string expected = "kernels " + after + " results " + digest_of_results();
-  const std::string command =
-      fmt::format("unset GTEST_TOTAL_SHARDS; OPENBLAS_CORETYPE={} {}=1 '{}' --gtest_filter=BlasKernels.Chosen*", after,
-                  k_asked, std::filesystem::read_symlink("/proc/self/exe").string());
+  const std::string command = fmt::format(
+      "unset GTEST_TOTAL_SHARDS GTEST_SHARD_INDEX; OPENBLAS_CORETYPE={} {}=1 '{}' --gtest_filter=BlasKernels.Chosen*",
+      after, k_asked, std::filesystem::read_symlink("/proc/self/exe").string());
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen(command.c_str(), "r"), ::pclose);
   ASSERT_NE(pipe, nullptr);
   std::string output;
