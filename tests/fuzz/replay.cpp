@@ -16,6 +16,11 @@
 #include <sanitizer/common_interface_defs.h>
 #endif
 
+/// As libFuzzer has it: libraries may ask for what a file says, and go on where they do not get it.
+extern "C" __attribute__((weak)) const char* __asan_default_options() {  // NOLINT(bugprone-reserved-identifier)
+  return "allocator_may_return_null=1";
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace {
