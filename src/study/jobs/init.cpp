@@ -9,6 +9,7 @@
 #include "mottle/core/text.hpp"
 #include "mottle/drivers/command/template_file.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
+#include "mottle/updating/methods/iteration.hpp"
 #include "study/input/first_few.hpp"
 #include "study/jobs/init_model.hpp"
 #include "study/jobs/proposed_modes.hpp"

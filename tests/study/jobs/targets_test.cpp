@@ -165,7 +165,8 @@ TEST(Targets, HaveNoSensitivityOfARigidBodyMode) {
   EXPECT_NEAR(target(outcome, "CELAS2:1:K").sensitivity(1), 0.5, 1e-10);
   EXPECT_NEAR(target(outcome, "CMASS2:2:M").sensitivity(1), -0.3, 1e-10);
   EXPECT_NEAR(target(outcome, "CMASS2:3:M").sensitivity(1), -0.2, 1e-10);
-  for (const nlohmann::json& listed : nlohmann::json::parse(summarise(outcome).json)["targets"]) {
+  const nlohmann::json summary = nlohmann::json::parse(summarise(outcome).json);
+  for (const nlohmann::json& listed : summary["targets"]) {
     if (listed["target"] == "CELAS2:1:K") {
       EXPECT_TRUE(listed["sensitivity"][0].is_null());
     }
