@@ -5,8 +5,8 @@ A run takes 0.3 s so that a driver can be killed in their midst: on a busy machi
     python3 schedulers_test.py PATH_TO_MOTTLE
 """
 
-import re
 import json
+import re
 import shutil
 import subprocess
 
