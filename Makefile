@@ -95,9 +95,9 @@ python:
 # Its tests under AddressSanitizer, but for those of memory's size, of other programs and of time.
 asan-python:
 	$(INSTALL) --test --python
-	$(call configure,asan) -DMOTTLE_BUILD_TESTS=ON $(with_python)
-	$(call build,asan) --target mottle_app --target mottle_python
-	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^python$$" \
+	$(call configure,asan-all) -DMOTTLE_BUILD_TESTS=ON $(with_python)
+	$(call build,asan-all) --target mottle_app --target mottle_python
+	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan-all) --label-regex "^python$$" --label-exclude nightly \
 	  --exclude-regex "^python_(ends|figures|interrupts|leaks|notebooks|package|typing)$$"
 
 # As asan-all, and the lines of the library that the tests reach (tests, the command and outside headers do not count): one

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What a change is likely to break, for the desk: style, clang-tidy is left out, and the tests of the layers that the change
-# touches and of those above that include them; of the command, one case each of its verbs.
+# What a change is likely to break, for the desk: style, the tests of the layers that the change touches and of the layers above
+# them, and four scripts of the command. clang-tidy is left out (tools/lint.sh).
 #   tools/check_change.sh [BASE]      BASE: what the change is counted from (default: where this branch left origin's main, else
 #                                     HEAD); uncommitted changes count
 set -euo pipefail
