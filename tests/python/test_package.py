@@ -100,15 +100,49 @@ print(mottle.about()["blas_kernels"], mottle.about()["blas_kernels_outdated"], o
     assert results(PRODUCTS + "import numpy\nprint(digest())", OPENBLAS_CORETYPE=kernels)[0] == [bits]
 
 
-def test_kernels_stay_while_another_thread_may_compute():
-    (kernels, outdated), warnings = results("""
+def test_kernels_are_changed_beside_threads_that_wait_or_start_short_products():
+    (kernels, outdated, is_right), warnings = results("""
 import threading
+import numpy
 end = threading.Event()
-thread = threading.Thread(target=end.wait)
-thread.start()
+a = numpy.random.default_rng(3).normal(size=(200, 200))
+expected, products = a @ a, []
+def compute():
+    while not end.is_set():
+        products.append(a @ a)
+threads = [threading.Thread(target=end.wait), threading.Thread(target=compute)]
+for thread in threads:
+    thread.start()
 import mottle
-print(mottle.about()["blas_kernels"], mottle.about()["blas_kernels_outdated"], sep="\\n")
+count = len(products)
+while len(products) < count + 3:
+    pass
 end.set()
+for thread in threads:
+    thread.join()
+print(mottle.about()["blas_kernels"], mottle.about()["blas_kernels_outdated"],
+      all(numpy.allclose(product, expected, rtol=1e-10, atol=1e-10) for product in products), sep="\\n")
 """)
+    assert not warnings
+    assert outdated == "False"
+    assert is_right == "True"
+
+
+def test_kernels_stay_while_another_thread_computes():
+    (kernels, outdated, is_still_computing), warnings = results("""
+import threading
+import numpy
+a = numpy.ones((6000, 6000))
+thread = threading.Thread(target=lambda: a @ a, daemon=True)
+thread.start()
+threading.Event().wait(0.05)  # let it come to the product, where it lets go of the interpreter's lock
+import mottle
+print(mottle.about()["blas_kernels"], mottle.about()["blas_kernels_outdated"], thread.is_alive(), sep="\\n")
+import os, sys
+sys.stdout.flush()
+os._exit(0)
+""")
+    if is_still_computing == "False":
+        pytest.skip("the product ended before the import did")
     assert outdated == "False" or kernels == "Prescott"
     assert (outdated == "True") == ("RuntimeWarning: OpenBLAS does not know" in warnings)

@@ -23,11 +23,11 @@ def about() -> dict[str, Any]:
 
 
 def warn_of_outdated_kernels() -> None:
-    """The import changes them, but not while another thread might compute."""
+    """The import changes them, but not while another thread computes."""
     if _engine.are_blas_kernels_outdated():
         warnings.warn(
             "OpenBLAS does not know this processor and uses its oldest kernels, several times slower than they could be: "
-            "mottle was imported while other threads ran. Import mottle before they start, or "
+            "another thread was computing while mottle was imported. Import mottle before, or "
             "set OPENBLAS_CORETYPE=HASWELL before Python starts.",
             RuntimeWarning,
             stacklevel=3,

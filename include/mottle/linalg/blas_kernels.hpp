@@ -15,9 +15,10 @@ std::string blas_kernels();
 /// of products are then those of a process that was started with these kernels named in OPENBLAS_CORETYPE.
 ///
 /// No other thread may compute with BLAS meanwhile: to be called at the start of a program, or by a library that is
-/// loaded into one. Nothing is changed where there are more threads than OpenBLAS's own, which could. Nor is it where
-/// OPENBLAS_CORETYPE is set, or another BLAS is in use. The environment stays as it was: processes that are started
-/// later have a BLAS, and perhaps a processor, of their own.
+/// loaded into one. Nothing is changed unless all other threads come to sleep within 0.2 s (under Python all that would
+/// compute do, since the caller holds the interpreter's lock). Nor is it where OPENBLAS_CORETYPE is set, or another
+/// BLAS is in use. The environment stays as it was: processes that are started later have a BLAS, and perhaps a
+/// processor, of their own.
 void choose_blas_kernels();
 
 /// Whether BLAS computes with the kernels for its oldest processors although this one could do more, and nobody has

@@ -2,10 +2,14 @@
 
 #include <dlfcn.h>
 #include <strings.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <string_view>
+#include <fstream>
+#include <string>
+#include <thread>
 
 #include "mottle/linalg/batched/batch_eigen.hpp"
 
@@ -33,16 +37,35 @@ const char* best_kernels() {
   return nullptr;
 }
 
-/// Whether no thread but OpenBLAS's own, which wait, runs beside this one. They are all there or, after a fork, none.
-bool is_alone() {
-  auto* const own_threads = of_openblas<int()>("openblas_get_num_threads");
+/// Whether the thread of this number, of this process, sleeps; false where that cannot be read.
+bool is_asleep(const std::string& thread) {
+  std::ifstream file("/proc/self/task/" + thread + "/stat");
+  std::string line;
+  std::getline(file, line);
+  const std::size_t name_end = line.rfind(')');  // "number (name) state ...", whatever the name holds
+  return name_end != std::string::npos && line.compare(name_end, 4, ") S ") == 0;
+}
+
+/// Whether no other thread of the process is running, or about to: in the middle of a product at least one is.
+bool do_others_sleep() {
+  const std::string self = std::to_string(::gettid());
   std::error_code error;
-  int threads = 0;
   for (std::filesystem::directory_iterator task("/proc/self/task", error), end; !error && task != end;
        task.increment(error)) {
-    ++threads;
+    const std::string thread = task->path().filename().string();
+    if (thread != self && !is_asleep(thread)) return false;
   }
-  return !error && (threads == 1 || (own_threads != nullptr && threads == own_threads()));
+  return !error;
+}
+
+/// Waits until all other threads sleep; false where that takes too long. OpenBLAS's own wait for work awake for a while.
+bool wait_for_others_to_sleep() {
+  constexpr int k_attempts = 200;
+  for (int attempt = 0; attempt < k_attempts; ++attempt) {
+    if (do_others_sleep()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
 }
 
 }  // namespace
@@ -61,7 +84,8 @@ void choose_blas_kernels() {
   // are of one size for all kernels; block sizes are computed anew.
   auto* const quit = of_openblas<void()>("gotoblas_dynamic_quit");
   auto* const init = of_openblas<void()>("gotoblas_dynamic_init");
-  if (quit == nullptr || init == nullptr || !are_blas_kernels_outdated() || !is_alone()) return;
+  if (quit == nullptr || init == nullptr || !are_blas_kernels_outdated()) return;
+  if (!wait_for_others_to_sleep()) return;
   const char* const wanted = best_kernels();
   ::setenv(k_variable, wanted, 1);
   quit();
