@@ -1,5 +1,8 @@
 """UM-Bridge in both directions, as its users meet it: models behind servers, and a study's model behind ours.
 
+Time limits of the study are 0.5 to 20 s against servers that sleep for longer, and a stop must be answered within 3 s: a busy
+machine may make an answer late that should not be. Servers take the ports that the system gives them.
+
     python3 umbridge_test.py PATH_TO_MOTTLE
 
 Of the protocol's conformity test (UM-Bridge/umbridge, testing/protocol_conformity_1.0), which needs packages that Debian does

@@ -1,5 +1,7 @@
 """A solver that misbehaves costs its own sample: the others' numbers, the files of the user and the job stay as they are.
 
+Runs that hang have a limit of 2 s, in which an honest one, of milliseconds, must be over.
+
     python3 faults_test.py PATH_TO_MOTTLE
 """
 

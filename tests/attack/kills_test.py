@@ -1,5 +1,7 @@
 """Killed at any moment, resumed, killed again: what is there is whole, and the end is that of an undisturbed run.
 
+Moments are parts of the time that an undisturbed run took: on a machine that is busy by turns, some come after the end.
+
     python3 kills_test.py PATH_TO_MOTTLE
 """
 

@@ -1,5 +1,7 @@
 """A solver that writes without measure: its sample fails or passes in bounded time and memory.
 
+The job must end within its time limit, which a busy machine may exceed.
+
     python3 output_test.py PATH_TO_MOTTLE
 """
 

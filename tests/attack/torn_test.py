@@ -1,5 +1,7 @@
 """Journals, kept runs and caches that are cut, flipped, mixed up: used, done again or refused, never wrong numbers.
 
+The process is killed as soon as a file has so many bytes, looked for every half millisecond: it may have written more, or ended.
+
     python3 torn_test.py PATH_TO_MOTTLE
 """
 

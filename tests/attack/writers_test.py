@@ -1,5 +1,7 @@
 """Two commands in one folder of results: one is refused, or one comes after the other; what is left is whole.
 
+The second command starts after parts of the time that one takes alone: on a busy machine they may miss each other.
+
     python3 writers_test.py PATH_TO_MOTTLE
 """
 

@@ -1,4 +1,7 @@
-"""The interpreter ends while daemon threads run jobs: the process ends too, without a word."""
+"""The interpreter ends while daemon threads run jobs: the process ends too, without a word.
+
+It must within 30 s, five of which it may wait for a job that does not stop.
+"""
 
 import os
 import subprocess

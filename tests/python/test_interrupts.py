@@ -1,4 +1,7 @@
-"""Ctrl-C where the engine is in the middle of one long step."""
+"""Ctrl-C where the engine is in the middle of one long step.
+
+The signal comes at a set time and must be answered within a second; a fast machine may have ended the step, a busy one not begun.
+"""
 
 import math
 import os

@@ -1,4 +1,4 @@
-"""Studies give what the command gives, to the last bit."""
+"""Studies give what the command gives, to the last bit; Ctrl-C stops them, within six seconds on the busiest machine."""
 
 import gc
 import json
