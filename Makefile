@@ -61,7 +61,7 @@ lint: style
 # command with its tests; the other layers are those of the optimised build.
 sanitized_layers = core linalg formats drivers study report
 asan: build
-	$(INSTALL) --test
+	$(INSTALL) --sanitize
 	$(call configure,asan) "-DMOTTLE_SANITIZED_LAYERS=$(subst $() ,;,$(sanitized_layers))"
 	$(call build,asan) --target mottle_app --target mottle_fuzz_tests $(foreach layer,$(sanitized_layers),--target mottle_$(layer)_tests)
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^($(call alternatives,$(sanitized_layers))|apps|attack|fuzz)$$" \
@@ -69,7 +69,7 @@ asan: build
 
 # The same with every layer.
 asan-all:
-	$(INSTALL) --test
+	$(INSTALL) --sanitize
 	$(call configure,asan-all)
 	$(call build,asan-all)
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan-all) --label-exclude "packaging|browser|timed|mpi|nightly"
@@ -94,7 +94,7 @@ python:
 
 # Its tests under AddressSanitizer, but for those of memory's size, of other programs and of time.
 asan-python:
-	$(INSTALL) --test --python
+	$(INSTALL) --sanitize --python
 	$(call configure,asan-all) -DMOTTLE_BUILD_TESTS=ON $(with_python)
 	$(call build,asan-all) --target mottle_app --target mottle_python
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan-all) --label-regex "^python$$" --label-exclude nightly \
@@ -103,12 +103,12 @@ asan-python:
 # As asan-all, and the lines of the library that the tests reach (tests, the command and outside headers do not count): one
 # build for both, since that build is most of the cost.
 coverage:
-	$(INSTALL) --ci
+	$(INSTALL) --ci --sanitize
 	$(call configure,coverage)
 	$(call build,coverage)
 	find build/coverage -name '*.gcda' -delete
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,coverage) --label-exclude "packaging|browser|timed|mpi|nightly"
-	gcovr -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
+	gcovr --gcov-executable "llvm-cov gcov" -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
 	  --fail-under-line 90 build/coverage
 
 # Every source by itself, without the precompiled headers, so that one that includes too little is found.
@@ -119,7 +119,7 @@ plain:
 
 # A short search for inputs that the readers do not survive; make fuzz FUZZ_SECONDS=3600 for a long one.
 fuzz:
-	$(INSTALL) --test --fuzz
+	$(INSTALL) --sanitize
 	$(call configure,fuzz)
 	$(call build,fuzz) --target nastran_fuzz csv_fuzz uff_fuzz matrix_fuzz solver_output_fuzz mat_fuzz hdf5_fuzz \
 	  calculix_fuzz gmsh_fuzz umbridge_fuzz report_fuzz study_fuzz

@@ -1,5 +1,7 @@
 // Runs a fuzz target over kept inputs and over changes of them that are the same in every run: what a search (`make
 // fuzz`) has found stays found, without a fuzzer.   REPLAY CHANGES FILE-OR-FOLDER...
+#include <sanitizer/common_interface_defs.h>
+
 #include <algorithm>
 #include <csignal>
 #include <cstdint>
@@ -12,9 +14,6 @@
 #include <string>
 #include <vector>
 
-#if defined(__SANITIZE_ADDRESS__)
-#include <sanitizer/common_interface_defs.h>
-#endif
 
 /// As libFuzzer has it: libraries may ask for what a file says, and go on where they do not get it.
 extern "C" __attribute__((weak)) const char* __asan_default_options() {  // NOLINT(bugprone-reserved-identifier)
@@ -95,9 +94,7 @@ std::string changed(std::string bytes, std::mt19937_64& random) {
 
 int main(int count, char** arguments) {
   if (count < 3) return 2;
-#if defined(__SANITIZE_ADDRESS__)
   __sanitizer_set_death_callback(report_input);
-#endif
   std::signal(SIGABRT, [](int) { report_input(); });
   const long changes = std::strtol(arguments[1], nullptr, 10);
   const auto files = files_of(count - 2, arguments + 2);

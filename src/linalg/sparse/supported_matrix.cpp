@@ -39,6 +39,7 @@ void SupportedMatrix::add_scaled_product(const VectorRows& x, const Eigen::Vecto
 
 VectorRows SupportedMatrix::local_product(const VectorRows& x) const {
   VectorRows result = VectorRows::Zero(lower_.cols(), x.cols());
+  if (lower_.cols() == 0) return result;
   VectorRows rest = result;
   simd_kernels::kernels_for().add_local_product(view(), static_cast<int>(x.cols()), x.data(), result.data(),
                                                 rest.data());
@@ -48,6 +49,7 @@ VectorRows SupportedMatrix::local_product(const VectorRows& x) const {
 VectorRows SupportedMatrix::project(const double* left, Eigen::Index vectors, Eigen::Index row_step,
                                     Eigen::Index vector_step, const VectorRows& product) const {
   VectorRows result = VectorRows::Zero(vectors, product.cols());
+  if (rows_.empty()) return result;
   simd_kernels::kernels_for().add_gathered_product(
       {static_cast<int>(vectors), left, row_step, vector_step, static_cast<int>(rows_.size()), rows_.data()},
       static_cast<int>(product.cols()), product.data(), result.data());

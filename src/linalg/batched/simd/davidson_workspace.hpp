@@ -33,10 +33,11 @@ struct DavidsonWorkspace {
   Workspace small;  ///< of the block's pencils
   long total_values;
 
+  /// As Workspace.
   DavidsonWorkspace(const DavidsonProblem& problem, double* memory)
       : small(ritz_problem(problem), memory), total_values(small.total_values) {
     const auto take = [&](long count) {
-      Simd* const first = reinterpret_cast<Simd*>(memory) + total_values;
+      Simd* const first = memory == nullptr ? nullptr : reinterpret_cast<Simd*>(memory) + total_values;
       total_values += count;
       return first;
     };

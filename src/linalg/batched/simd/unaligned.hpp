@@ -6,14 +6,13 @@
 namespace mottle::linalg::simd_kernels {
 namespace {
 
-/// A SIMD register's value at any address.
-using UnalignedSimd = double __attribute__((vector_size(8 * MOTTLE_LANES), aligned(8)));
-
 MOTTLE_INLINE Simd load(const double* from) {
-  return *reinterpret_cast<const UnalignedSimd*>(from);
+  Simd value;
+  __builtin_memcpy(&value, from, sizeof value);  // one instruction
+  return value;
 }
 MOTTLE_INLINE void store(double* to, Simd value) {
-  *reinterpret_cast<UnalignedSimd*>(to) = value;
+  __builtin_memcpy(to, &value, sizeof value);
 }
 
 }  // namespace

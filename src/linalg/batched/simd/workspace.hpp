@@ -27,14 +27,14 @@ struct Workspace {
   Mask* swapped;    ///< [group][n], rows exchanged there
   Mask* count_low;  ///< [m] eigenvalues below each end of a bracket
   Mask* count_high;
-  long total_values;
+  long total_values = 0;
 
+  /// In memory of at least total_values; without memory only these are counted.
   Workspace(const Problem& problem, double* memory) {
-    Simd* next = reinterpret_cast<Simd*>(memory);
     const long n = problem.order, m = problem.modes, packed = n * (n + 1) / 2;
-    const auto take = [&next](long count) {
-      Simd* const first = next;
-      next += count;
+    const auto take = [&](long count) {
+      Simd* const first = memory == nullptr ? nullptr : reinterpret_cast<Simd*>(memory) + total_values;
+      total_values += count;
       return first;
     };
     matrix = take(packed);
@@ -53,7 +53,6 @@ struct Workspace {
     swapped = reinterpret_cast<Mask*>(take(k_vector_group * n));
     count_low = reinterpret_cast<Mask*>(take(m));
     count_high = reinterpret_cast<Mask*>(take(m));
-    total_values = next - reinterpret_cast<Simd*>(memory);
   }
 };
 
