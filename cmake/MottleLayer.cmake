@@ -56,13 +56,9 @@ function(mottle_warnings target)
 endfunction()
 
 # mottle_optimise(TARGET LEVEL): the level of the release build where -O3 costs time to compile and saves none to run. No
-# level changes a result: none lets the compiler reorder operations or fuse them. What takes -O1 there is not optimised at
-# all in the sanitised builds, which halves the time to compile it.
+# level changes a result: none lets the compiler reorder operations or fuse them.
 function(mottle_optimise target level)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:${level}>)
-  if(level STREQUAL "-O1")
-    target_compile_options(${target} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O0>)
-  endif()
 endfunction()
 
 # mottle_precompile(TARGET header...): reads these once for the target, if MOTTLE_PRECOMPILE. The preset dev goes without,
@@ -72,8 +68,6 @@ function(mottle_precompile target)
     target_precompile_headers(${target} PRIVATE ${ARGN})
     if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
       target_compile_options(${target} PRIVATE -fpch-preprocess)  # else ccache keeps nothing of it
-    elseif(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
-      target_compile_options(${target} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")  # else one clone's does not serve another
     endif()
   endif()
 endfunction()

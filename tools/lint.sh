@@ -2,7 +2,7 @@
 # clang-tidy over the library, the command and the Python module, and the syntax of the programs of validation/.
 #   tools/lint.sh [--fresh] [FILE...]      FILEs: formatting and clang-tidy of these sources alone; --fresh: read every group again
 # clang-tidy leaves out the tests (the compiler's warnings hold them, and they would double its time) and the lane
-# kernels (written in GCC's vector extensions, which clang does not take).
+# kernels (three times the same text, whose templates take it minutes).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 jobs=$(nproc)

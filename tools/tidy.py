@@ -31,9 +31,9 @@ def sources_of(path):
 
 
 def is_checked(source):
-    """The library, the command and the Python module without the lane kernels."""
+    """The library, the command, its modules and the Python module without the lane kernels."""
     folder = os.path.relpath(source, ROOT).split(os.sep)[0]
-    return folder in ("src", "apps", "bindings") and not os.path.basename(source).startswith("simd_")
+    return folder in ("src", "apps", "modules", "bindings") and not os.path.basename(source).startswith("simd_")
 
 
 def anywhere(text):

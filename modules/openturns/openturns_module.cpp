@@ -165,6 +165,7 @@ class OpenTurnsModule final : public OpenTurns {
 
 extern "C" {
 // The names that stats/openturns/load_openturns.cpp looks for.
+// NOLINTNEXTLINE(readability-identifier-naming): a name of C
 __attribute__((visibility("default"))) extern const int mottle_openturns_version;
 const int mottle_openturns_version = mottle::stats::k_openturns_version;
 __attribute__((visibility("default"))) const mottle::stats::OpenTurns* mottle_openturns();

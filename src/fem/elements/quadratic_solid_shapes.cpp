@@ -14,7 +14,7 @@ constexpr int k_hexahedron[20][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1},  {-1
                                      {-1, 1, 0},   {0, -1, 1},  {1, 0, 1},   {0, 1, 1},   {-1, 0, 1}};
 
 /// Corners (1 + a) (1 + b) (1 + c) (a + b + c - 2) / 8 with a = +-xi...; mid-edges (1 - xi^2) (1 + b) (1 + c) / 4.
-void evaluate(const Eigen::Vector3d& position, SolidPoint<20, 0>& point) {
+void evaluate_quadratic_hexahedron(const Eigen::Vector3d& position, SolidPoint& point) {
   for (int node = 0; node < 20; ++node) {
     const Eigen::Vector3d sign(k_hexahedron[node][0], k_hexahedron[node][1], k_hexahedron[node][2]);
     Eigen::Vector3d factor = Eigen::Vector3d::Ones() + sign.cwiseProduct(position), slope = sign;
@@ -38,7 +38,7 @@ void evaluate(const Eigen::Vector3d& position, SolidPoint<20, 0>& point) {
 
 /// With h = (1 +- zeta) / 2 and L = barycentric coordinates: corners L h (2 L - 1 - 2 (1 - h)), mid-edges 4 Li Lj h,
 /// upright ones L (1 - zeta^2).
-void evaluate(const Eigen::Vector3d& position, SolidPoint<15, 0>& point) {
+void evaluate_quadratic_wedge(const Eigen::Vector3d& position, SolidPoint& point) {
   const double zeta = position.z();
   const Eigen::Vector4d corner = barycentric({position.x(), position.y(), 0.0});
   const Eigen::Matrix<double, 3, 4> gradients = barycentric_gradients();
@@ -63,7 +63,7 @@ void evaluate(const Eigen::Vector3d& position, SolidPoint<15, 0>& point) {
 
 /// @param position  (a, b, zeta). With h = 1 - zeta, u = 1 +- a, v = 1 +- b: corners h u v (h (+-a +- b) - 1) / 4,
 ///                  apex zeta (2 zeta - 1), mid-edges of the base h^2 (1 - a^2) v / 2, upright ones zeta h u v
-void evaluate(const Eigen::Vector3d& position, SolidPoint<13, 0>& point) {
+void evaluate_quadratic_pyramid(const Eigen::Vector3d& position, SolidPoint& point) {
   constexpr int k_signs[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   const double a = position.x(), b = position.y(), zeta = position.z(), h = 1.0 - zeta;
   // Derivatives by a and b are given over h: those by xi and eta. At a fixed place the height moves a and b as well.
@@ -85,7 +85,7 @@ void evaluate(const Eigen::Vector3d& position, SolidPoint<13, 0>& point) {
   set(4, zeta * (2.0 * zeta - 1.0), 0.0, 0.0, 4.0 * zeta - 1.0);
 }
 
-void evaluate(const Eigen::Vector3d& position, SolidPoint<10, 0>& point) {
+void evaluate_quadratic_tetrahedron(const Eigen::Vector3d& position, SolidPoint& point) {
   constexpr int k_ends[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
   const Eigen::Vector4d corner = barycentric(position);
   const Eigen::Matrix<double, 3, 4> gradients = barycentric_gradients();
@@ -104,30 +104,29 @@ void evaluate(const Eigen::Vector3d& position, SolidPoint<10, 0>& point) {
 
 // Each rule integrates the forces of a constant stress exactly whatever the edges are, so that curved elements pass the
 // patch test (of tetrahedra see stiffness_points), and mass and volume where edges are straight.
-const QuadraticHexahedronTable& quadratic_hexahedron() {
-  static const QuadraticHexahedronTable table =
-      make_table<20, 0>(cube(gauss(3)), cube(gauss(4)), hexahedron_corners(), Eigen::Vector3d::Zero(), evaluate);
+const Table& quadratic_hexahedron() {
+  static const Table table = make_table(20, 0, cube(gauss(3)), cube(gauss(4)), hexahedron_corners(),
+                                        Eigen::Vector3d::Zero(), evaluate_quadratic_hexahedron);
   return table;
 }
 
-const QuadraticWedgeTable& quadratic_wedge() {
-  static const QuadraticWedgeTable table =
-      make_table<15, 0>(prism(triangle_of_degree_4(), gauss(3)), prism(triangle_of_degree_5(), gauss(4)),
-                        wedge_corners(), Eigen::Vector3d(1.0 / 3.0, 1.0 / 3.0, 0.0), evaluate);
+const Table& quadratic_wedge() {
+  static const Table table =
+      make_table(15, 0, prism(triangle_of_degree_4(), gauss(3)), prism(triangle_of_degree_5(), gauss(4)),
+                 wedge_corners(), Eigen::Vector3d(1.0 / 3.0, 1.0 / 3.0, 0.0), evaluate_quadratic_wedge);
   return table;
 }
 
-const QuadraticPyramidTable& quadratic_pyramid() {
-  static const QuadraticPyramidTable table =
-      make_table<13, 0>(collapsed(gauss(4), gauss(4)), collapsed(gauss(4), gauss(4)), pyramid_corners(),
-                        Eigen::Vector3d(0.0, 0.0, 0.25), evaluate);
+const Table& quadratic_pyramid() {
+  static const Table table = make_table(13, 0, collapsed(gauss(4), gauss(4)), collapsed(gauss(4), gauss(4)),
+                                        pyramid_corners(), Eigen::Vector3d(0.0, 0.0, 0.25), evaluate_quadratic_pyramid);
   return table;
 }
 
-const QuadraticTetrahedronTable& quadratic_tetrahedron() {
-  static const QuadraticTetrahedronTable table =
-      make_table<10, 0>(tetrahedron_of_degree_2(), tetrahedron_of_degree_5(), tetrahedron_corners(),
-                        Eigen::Vector3d::Constant(0.25), evaluate);
+const Table& quadratic_tetrahedron() {
+  static const Table table =
+      make_table(10, 0, tetrahedron_of_degree_2(), tetrahedron_of_degree_5(), tetrahedron_corners(),
+                 Eigen::Vector3d::Constant(0.25), evaluate_quadratic_tetrahedron);
   return table;
 }
 

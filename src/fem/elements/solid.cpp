@@ -1,6 +1,5 @@
 #include "mottle/fem/elements/solid.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "fem/elements/solid_quality.hpp"
 #include "fem/elements/solid_shapes.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/linalg/dense/decompositions.hpp"
 
 namespace mottle::fem {
 namespace {
@@ -19,22 +19,23 @@ using solid_shapes::SolidPoint;
 using solid_shapes::Table;
 using Elasticity = Eigen::Matrix<double, 6, 6>;
 using NodesRef = Eigen::Ref<const Eigen::Matrix3Xd>;
+// Of any shape, and not on the heap. With each shape's own sizes the compiler takes five times as long for this file,
+// for a tenth of the time to run in small elements and none in large ones.
+constexpr int k_most = solid_shapes::k_most_nodes;
+using Directions = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, k_most>;
+using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 3 * k_most, 1>;
+using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3 * k_most, 3 * k_most>;
 
-/// Node positions of fixed size. From the first node, lest a far origin costs digits of the determinant.
-template <int count>
+/// Node positions, from the first node, lest a far origin costs digits of the determinant.
 struct Geometry {
-  Eigen::Matrix<double, 3, count> nodes;
+  Directions nodes;
 
-  explicit Geometry(const NodesRef& given) {
-    assert(given.cols() == count);
-    nodes = given.colwise() - Eigen::Vector3d(given.col(0));
+  Geometry(const Table& table, const NodesRef& given) : nodes(given.colwise() - Eigen::Vector3d(given.col(0))) {
+    assert(given.cols() == table.nodes());
   }
 
   /// [own coordinate x basic coordinate]
-  template <int modes>
-  Eigen::Matrix3d jacobian(const SolidPoint<count, modes>& point) const {
-    return point.gradients * nodes.transpose();
-  }
+  Eigen::Matrix3d jacobian(const SolidPoint& point) const { return point.gradients.lazyProduct(nodes.transpose()); }
 
   /// A determinant below this is zero but for rounding.
   double negligible_determinant() const { return 1e-12 * std::pow(nodes.colwise().norm().maxCoeff(), 3); }
@@ -49,10 +50,9 @@ double require_positive(double determinant, double negligible) {
                   std::abs(determinant) <= negligible ? 0.0 : determinant));
 }
 
-template <int size>
-void mirror_upper(Eigen::Matrix<double, size, size>& matrix) {
-  for (int row = 1; row < size; ++row) {
-    for (int column = 0; column < row; ++column) matrix(row, column) = matrix(column, row);
+void mirror_upper(Eigen::MatrixXd& matrix) {
+  for (Eigen::Index row = 1; row < matrix.rows(); ++row) {
+    for (Eigen::Index column = 0; column < row; ++column) matrix(row, column) = matrix(column, row);
   }
 }
 
@@ -72,91 +72,78 @@ Eigen::Matrix<double, 9, 9> moduli_by_direction(const Elasticity& elasticity) {
 }
 
 /// Quadratic tetrahedra with curved edges need more points than straight ones, lest they fail the patch test.
-template <int count, int modes>
-const typename Table<count, modes>::Points& stiffness_points(const Table<count, modes>& table,
-                                                             const Geometry<count>& geometry) {
-  if constexpr (count == 10) {
+const std::vector<SolidPoint>& stiffness_points(const Table& table, const Geometry& geometry) {
+  if (&table == &solid_shapes::quadratic_tetrahedron()) {
     // The Jacobian of a straight element is the same everywhere. What four points miss is of second order in the
     // difference, so that 1e-3 leaves 1e-6 and lets mid-edge nodes be rounded to the digits of a card.
     const Eigen::Matrix3d centre = geometry.jacobian(table.centre);
-    for (const SolidPoint<count, modes>& corner : table.corners) {
+    for (const SolidPoint& corner : table.corners) {
       if ((geometry.jacobian(corner) - centre).norm() > 1e-3 * centre.norm()) return table.mass;
     }
   }
   return table.stiffness;
 }
 
-/// Integrals of every product of two basic derivatives of shape functions and modes: [3 function x 3 function].
-template <int count, int modes>
-auto gradient_products(const Table<count, modes>& table, const Geometry<count>& geometry) {
-  constexpr int k_functions = count + modes;
+/// Integrals of every product of two basic derivatives of shape functions and modes: [3 function x 3 function], of
+/// which the blocks above the diagonal and on it are computed.
+Square gradient_products(const Table& table, const Geometry& geometry) {
+  const Eigen::Index functions = table.nodes() + table.modes();
   const double negligible = geometry.negligible_determinant();
-  Eigen::Matrix3d mode_operator = Eigen::Matrix3d::Zero();
-  if constexpr (modes > 0) {
-    const Eigen::Matrix3d centre = geometry.jacobian(table.centre);
-    mode_operator = centre.inverse() * centre.determinant();
-  }
-  using Column = Eigen::Matrix<double, 3 * k_functions, 1>;
-  Eigen::Matrix<double, 3 * k_functions, 3 * k_functions> products;
-  products.setZero();
-  for (const SolidPoint<count, modes>& point : stiffness_points(table, geometry)) {
+  const Eigen::Matrix3d centre = geometry.jacobian(table.centre);
+  const Eigen::Matrix3d mode_operator = centre.inverse() * centre.determinant();  // used where there are modes
+  Square products = Square::Zero(3 * functions, 3 * functions);
+  Directions gradients(3, functions);
+  for (const SolidPoint& point : stiffness_points(table, geometry)) {
     const Eigen::Matrix3d jacobian = geometry.jacobian(point);
     const double determinant = require_positive(jacobian.determinant(), negligible);
-    Eigen::Matrix<double, 3, k_functions> gradients;
-    gradients.template leftCols<count>().noalias() = jacobian.inverse() * point.gradients;
-    if constexpr (modes > 0) {
-      gradients.template rightCols<modes>().noalias() = (mode_operator / determinant) * point.mode_gradients;
+    gradients.leftCols(table.nodes()) = jacobian.inverse().lazyProduct(point.gradients);
+    if (table.modes() > 0) {
+      gradients.rightCols(table.modes()) = (mode_operator / determinant).lazyProduct(point.mode_gradients);
     }
     const Column column = gradients.reshaped();
     const Column weighted = (point.weight * determinant) * column;
-    for (int j = 0; j < 3 * k_functions; ++j) products.col(j) += weighted(j) * column;
+    for (Eigen::Index j = 0; j < column.size(); ++j) {
+      const Eigen::Index rows = j - j % 3 + 3;
+      products.col(j).head(rows) += weighted(j) * column.head(rows);
+    }
   }
   return products;
 }
 
-/// Removes the modes, which come after the nodes.
-template <int kept, int size>
-Eigen::Matrix<double, kept, kept> condense(const Eigen::Matrix<double, size, size>& K) {
-  constexpr int k_removed = size - kept;
-  if constexpr (k_removed == 0) {
-    return K;
-  } else {
-    const Eigen::Matrix<double, k_removed, k_removed> mode_K = K.template bottomRightCorner<k_removed, k_removed>();
-    const Eigen::LLT<Eigen::Matrix<double, k_removed, k_removed>, Eigen::Upper> factor(mode_K);
-    require(factor.info() == Eigen::Success, "the elasticity matrix is not positive definite");
-    Eigen::Matrix<double, k_removed, kept> half = K.template topRightCorner<kept, k_removed>().transpose();
-    factor.matrixL().solveInPlace(half);
-    return K.template topLeftCorner<kept, kept>() - half.transpose().lazyProduct(half);
-  }
+/// Removes the modes, which come after the nodes; of K only the upper triangle is read, and is right in what is left.
+Eigen::MatrixXd condense(const Square& K, Eigen::Index kept) {
+  const Eigen::Index removed = K.cols() - kept;
+  if (removed == 0) return K;
+  const linalg::CholeskyFactor factor(K.bottomRightCorner(removed, removed).transpose());
+  require(factor.is_positive_definite(), "the elasticity matrix is not positive definite");
+  const Eigen::MatrixXd half = factor.solve_lower(K.topRightCorner(kept, removed).transpose());
+  return K.topLeftCorner(kept, kept) - half.transpose().lazyProduct(half);
 }
 
-template <int count, int modes>
-Eigen::MatrixXd stiffness(const Table<count, modes>& table, const NodesRef& nodes, const Elasticity& elasticity) {
-  constexpr int k_functions = count + modes;
-  const auto products = gradient_products(table, Geometry<count>(nodes));
+Eigen::MatrixXd stiffness(const Table& table, const NodesRef& nodes, const Elasticity& elasticity) {
+  const Square products = gradient_products(table, Geometry(table, nodes));
   const Eigen::Matrix<double, 9, 9> moduli = moduli_by_direction(elasticity);
-  Eigen::Matrix<double, 3 * k_functions, 3 * k_functions> K;
-  for (int j = 0; j < k_functions; ++j) {
-    for (int i = 0; i <= j; ++i) {
-      const Eigen::Matrix3d product = products.template block<3, 3>(3 * i, 3 * j);
+  Square K(products.rows(), products.cols());
+  for (Eigen::Index j = 0; j < K.cols(); j += 3) {
+    for (Eigen::Index i = 0; i <= j; i += 3) {
+      const Eigen::Matrix3d product = products.block<3, 3>(i, j);
       const Eigen::Matrix<double, 9, 1> block = moduli * product.reshaped();
-      K.template block<3, 3>(3 * i, 3 * j) = block.reshaped(3, 3);
+      K.block<3, 3>(i, j) = block.reshaped(3, 3);
     }
   }
-  Eigen::Matrix<double, 3 * count, 3 * count> condensed = condense<3 * count>(K);
+  Eigen::MatrixXd condensed = condense(K, 3 * table.nodes());
   mirror_upper(condensed);
   return condensed;
 }
 
-template <int count, int modes>
-Eigen::Matrix<double, count, count> scalar_mass(const Table<count, modes>& table, const NodesRef& nodes) {
-  const Geometry<count> geometry(nodes);
+Eigen::MatrixXd scalar_mass(const Table& table, const NodesRef& nodes) {
+  const Geometry geometry(table, nodes);
   const double negligible = geometry.negligible_determinant();
-  Eigen::Matrix<double, count, count> mass = Eigen::Matrix<double, count, count>::Zero();
-  for (const SolidPoint<count, modes>& point : table.mass) {
+  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(nodes.cols(), nodes.cols());
+  for (const SolidPoint& point : table.mass) {
     const double determinant = require_positive(geometry.jacobian(point).determinant(), negligible);
-    const Eigen::Matrix<double, count, 1> weighted = (point.weight * determinant) * point.values;
-    for (int j = 0; j < count; ++j) mass.col(j) += weighted(j) * point.values;
+    const Column weighted = (point.weight * determinant) * point.values;
+    for (Eigen::Index j = 0; j < mass.cols(); ++j) mass.col(j) += weighted(j) * point.values;
   }
   mirror_upper(mass);
   return mass;
@@ -175,12 +162,14 @@ Eigen::VectorXd balanced_pyramid(const Eigen::Ref<const Eigen::MatrixXd>& mass) 
   return d.cwiseProduct((factors(0) + factors(1) * zeta.array()).matrix());
 }
 
-template <int count, int modes>
-double ratio_of(const Table<count, modes>& table, const NodesRef& nodes) {
-  const Geometry<count> geometry(nodes);
+}  // namespace
+
+double jacobian_ratio(SolidShape shape, const NodesRef& nodes) {
+  const Table& table = solid_shapes::table_of(shape);
+  const Geometry geometry(table, nodes);
   double smallest = std::numeric_limits<double>::infinity(), sum = 0.0, weights = 0.0;
   for (const auto* points : {&table.corners, &table.mass}) {
-    for (const SolidPoint<count, modes>& point : *points) {
+    for (const SolidPoint& point : *points) {
       const double determinant = geometry.jacobian(point).determinant();
       smallest = std::min(smallest, determinant);
       sum += point.weight * determinant;
@@ -190,15 +179,8 @@ double ratio_of(const Table<count, modes>& table, const NodesRef& nodes) {
   return smallest == 0.0 ? 0.0 : smallest / std::abs(sum / weights);
 }
 
-}  // namespace
-
-double jacobian_ratio(SolidShape shape, const NodesRef& nodes) {
-  return solid_shapes::with_table(shape, [&](const auto& table) { return ratio_of(table, nodes); });
-}
-
 int node_count(SolidShape shape) {
-  return solid_shapes::with_table(shape,
-                                  [](const auto& table) { return static_cast<int>(table.centre.values.size()); });
+  return static_cast<int>(solid_shapes::table_of(shape).nodes());
 }
 
 Elasticity isotropic_elasticity(double young, double poisson) {
@@ -229,30 +211,28 @@ Elasticity turned_elasticity(const Elasticity& elasticity, const Eigen::Matrix3d
 }
 
 Eigen::MatrixXd solid_stiffness(SolidShape shape, const NodesRef& nodes, const Elasticity& elasticity) {
-  return solid_shapes::with_table(shape, [&](const auto& table) { return stiffness(table, nodes, elasticity); });
+  return stiffness(solid_shapes::table_of(shape), nodes, elasticity);
 }
 
 Eigen::MatrixXd solid_mass(SolidShape shape, const NodesRef& nodes, MassKind kind) {
-  return solid_shapes::with_table(shape, [&](const auto& table) {
-    auto mass = scalar_mass(table, nodes);
-    if (kind == MassKind::lumped && shape == SolidShape::pyramid5) {
-      mass = Eigen::VectorXd(mass.rowwise().sum()).asDiagonal();
-    } else if (kind == MassKind::lumped && shape == SolidShape::pyramid13) {
-      mass = Eigen::VectorXd(balanced_pyramid(mass)).asDiagonal();
-    } else if (kind == MassKind::lumped) {
-      mass = Eigen::VectorXd(mass.diagonal() * (mass.sum() / mass.trace())).asDiagonal();
-    }
-    const Eigen::Index count = mass.cols();
-    Eigen::MatrixXd M = Eigen::MatrixXd::Zero(3 * count, 3 * count);
-    for (Eigen::Index j = 0; j < count; ++j) {
-      for (Eigen::Index i = 0; i < count; ++i) M.block<3, 3>(3 * i, 3 * j).diagonal().setConstant(mass(i, j));
-    }
-    return M;
-  });
+  Eigen::MatrixXd mass = scalar_mass(solid_shapes::table_of(shape), nodes);
+  if (kind == MassKind::lumped && shape == SolidShape::pyramid5) {
+    mass = Eigen::VectorXd(mass.rowwise().sum()).asDiagonal();
+  } else if (kind == MassKind::lumped && shape == SolidShape::pyramid13) {
+    mass = balanced_pyramid(mass).asDiagonal();
+  } else if (kind == MassKind::lumped) {
+    mass = Eigen::VectorXd(mass.diagonal() * (mass.sum() / mass.trace())).asDiagonal();
+  }
+  const Eigen::Index count = mass.cols();
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(3 * count, 3 * count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    for (Eigen::Index i = 0; i < count; ++i) M.block<3, 3>(3 * i, 3 * j).diagonal().setConstant(mass(i, j));
+  }
+  return M;
 }
 
 double solid_volume(SolidShape shape, const NodesRef& nodes) {
-  return solid_shapes::with_table(shape, [&](const auto& table) { return scalar_mass(table, nodes).sum(); });
+  return scalar_mass(solid_shapes::table_of(shape), nodes).sum();
 }
 
 }  // namespace mottle::fem

@@ -148,4 +148,18 @@ Eigen::Matrix<double, 3, 4> barycentric_gradients() {
   return (Eigen::Matrix<double, 3, 4>() << -1, 1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 1).finished();
 }
 
+Table make_table(int nodes, int modes, const Rule& stiffness, const Rule& mass, const Rule& corners,
+                 const Eigen::Vector3d& centre, void (*evaluate)(const Eigen::Vector3d& position, SolidPoint& point)) {
+  const auto tabulate = [&](const Rule& rule) {
+    std::vector<SolidPoint> points;
+    for (const Abscissa& at : rule) {
+      SolidPoint& point = points.emplace_back(
+          SolidPoint{at.weight, Eigen::VectorXd(nodes), Eigen::Matrix3Xd(3, nodes), Eigen::Matrix3Xd(3, modes)});
+      evaluate(at.position, point);
+    }
+    return points;
+  };
+  return {tabulate(stiffness), tabulate(mass), tabulate(corners), tabulate({{0.0, centre}}).front()};
+}
+
 }  // namespace mottle::fem::solid_shapes

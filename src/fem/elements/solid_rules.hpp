@@ -41,19 +41,7 @@ Eigen::Vector4d barycentric(const Eigen::Vector3d& position);
 Eigen::Matrix<double, 3, 4> barycentric_gradients();
 
 /// Shape functions at the points of rules. @param evaluate  fills everything but the weight
-template <int nodes, int modes>
-Table<nodes, modes> make_table(const Rule& stiffness, const Rule& mass, const Rule& corners,
-                               const Eigen::Vector3d& centre,
-                               void (*evaluate)(const Eigen::Vector3d& position, SolidPoint<nodes, modes>& point)) {
-  const auto tabulate = [evaluate](const Rule& rule) {
-    typename Table<nodes, modes>::Points points(rule.size());
-    for (std::size_t i = 0; i < rule.size(); ++i) {
-      points[i].weight = rule[i].weight;
-      evaluate(rule[i].position, points[i]);
-    }
-    return points;
-  };
-  return {tabulate(stiffness), tabulate(mass), tabulate(corners), tabulate({{0.0, centre}}).front()};
-}
+Table make_table(int nodes, int modes, const Rule& stiffness, const Rule& mass, const Rule& corners,
+                 const Eigen::Vector3d& centre, void (*evaluate)(const Eigen::Vector3d& position, SolidPoint& point));
 
 }  // namespace mottle::fem::solid_shapes

@@ -7,7 +7,7 @@ namespace {
 
 using Gradient = Eigen::Vector3d;
 
-void evaluate(const Eigen::Vector3d& position, SolidPoint<8, 3>& point) {
+void evaluate_hexahedron(const Eigen::Vector3d& position, SolidPoint& point) {
   constexpr int k_signs[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
                                  {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
   for (int node = 0; node < 8; ++node) {
@@ -18,10 +18,10 @@ void evaluate(const Eigen::Vector3d& position, SolidPoint<8, 3>& point) {
                                          factor.x() * factor.y() * sign.z()) /
                                 8.0;
   }
-  point.mode_gradients = (-2.0 * position).asDiagonal();
+  point.mode_gradients = Eigen::Matrix3d((-2.0 * position).asDiagonal());
 }
 
-void evaluate(const Eigen::Vector3d& position, SolidPoint<6, 4>& point) {
+void evaluate_wedge(const Eigen::Vector3d& position, SolidPoint& point) {
   const Eigen::Vector3d in_plane(position.x(), position.y(), 0.0);
   const Eigen::Vector4d corner = barycentric(in_plane);
   const Eigen::Matrix<double, 3, 4> gradients = barycentric_gradients();
@@ -41,7 +41,7 @@ void evaluate(const Eigen::Vector3d& position, SolidPoint<6, 4>& point) {
 }
 
 /// @param position  (a, b, zeta); the gradients with respect to xi, eta, zeta do not depend on the height
-void evaluate(const Eigen::Vector3d& position, SolidPoint<5, 0>& point) {
+void evaluate_pyramid(const Eigen::Vector3d& position, SolidPoint& point) {
   constexpr int k_signs[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   for (int node = 0; node < 4; ++node) {
     const double s = k_signs[node][0], t = k_signs[node][1], a = s * position.x(), b = t * position.y();
@@ -52,44 +52,67 @@ void evaluate(const Eigen::Vector3d& position, SolidPoint<5, 0>& point) {
   point.gradients.col(4) = Gradient::UnitZ();
 }
 
-void evaluate(const Eigen::Vector3d& position, SolidPoint<4, 0>& point) {
+void evaluate_tetrahedron(const Eigen::Vector3d& position, SolidPoint& point) {
   point.values = barycentric(position);
   point.gradients = barycentric_gradients();
 }
 
 }  // namespace
 
-const HexahedronTable& hexahedron() {
-  static const HexahedronTable table = [] {
+const Table& hexahedron() {
+  static const Table table = [] {
     // 3 points a direction: mass and determinant of a distorted element are of degree 4 in each coordinate.
-    return make_table<8, 3>(cube(gauss(2)), cube(gauss(3)), hexahedron_corners(), Eigen::Vector3d::Zero(), evaluate);
+    return make_table(8, 3, cube(gauss(2)), cube(gauss(3)), hexahedron_corners(), Eigen::Vector3d::Zero(),
+                      evaluate_hexahedron);
   }();
   return table;
 }
 
-const WedgeTable& wedge() {
-  static const WedgeTable table = [] {
+const Table& wedge() {
+  static const Table table = [] {
     // Degree 3 is reached by the mass of a distorted wedge.
-    return make_table<6, 4>(prism(triangle_of_degree_2(), gauss(2)), prism(triangle_of_degree_4(), gauss(3)),
-                            wedge_corners(), Eigen::Vector3d(1.0 / 3.0, 1.0 / 3.0, 0.0), evaluate);
+    return make_table(6, 4, prism(triangle_of_degree_2(), gauss(2)), prism(triangle_of_degree_4(), gauss(3)),
+                      wedge_corners(), Eigen::Vector3d(1.0 / 3.0, 1.0 / 3.0, 0.0), evaluate_wedge);
   }();
   return table;
 }
 
-const PyramidTable& pyramid() {
-  static const PyramidTable table = [] {
+const Table& pyramid() {
+  static const Table table = [] {
     // Forces of a constant stress are of degree 2 in a and b, mass and determinant together of degree 4.
-    return make_table<5, 0>(collapsed(gauss(2), gauss(2)), collapsed(gauss(3), gauss(3)), pyramid_corners(),
-                            Eigen::Vector3d(0.0, 0.0, 0.25), evaluate);
+    return make_table(5, 0, collapsed(gauss(2), gauss(2)), collapsed(gauss(3), gauss(3)), pyramid_corners(),
+                      Eigen::Vector3d(0.0, 0.0, 0.25), evaluate_pyramid);
   }();
   return table;
 }
 
-const TetrahedronTable& tetrahedron() {
+const Table& tetrahedron() {
   static const Eigen::Vector3d centre = Eigen::Vector3d::Constant(0.25);
-  static const TetrahedronTable table =
-      make_table<4, 0>({{1.0 / 6.0, centre}}, tetrahedron_of_degree_2(), tetrahedron_corners(), centre, evaluate);
+  static const Table table = make_table(4, 0, {{1.0 / 6.0, centre}}, tetrahedron_of_degree_2(), tetrahedron_corners(),
+                                        centre, evaluate_tetrahedron);
   return table;
+}
+
+const Table& table_of(SolidShape shape) {
+  switch (shape) {
+    case SolidShape::hexahedron8:
+      return hexahedron();
+    case SolidShape::wedge6:
+      return wedge();
+    case SolidShape::pyramid5:
+      return pyramid();
+    case SolidShape::tetrahedron4:
+      return tetrahedron();
+    case SolidShape::hexahedron20:
+      return quadratic_hexahedron();
+    case SolidShape::wedge15:
+      return quadratic_wedge();
+    case SolidShape::pyramid13:
+      return quadratic_pyramid();
+    case SolidShape::tetrahedron10:
+      break;
+  }
+  return quadratic_tetrahedron();
 }
 
 }  // namespace mottle::fem::solid_shapes

@@ -10,63 +10,34 @@
 namespace mottle::fem::solid_shapes {
 
 /// An integration point in an element's natural coordinates, with shape functions and gradients there.
-template <int nodes, int modes>
 struct SolidPoint {
   double weight = 0.0;
-  Eigen::Matrix<double, nodes, 1> values;
-  Eigen::Matrix<double, 3, nodes> gradients;       ///< [own coordinate x node]
-  Eigen::Matrix<double, 3, modes> mode_gradients;  ///< [own coordinate x mode], of zero mean over the element
+  Eigen::VectorXd values;           ///< [node]
+  Eigen::Matrix3Xd gradients;       ///< [own coordinate x node]
+  Eigen::Matrix3Xd mode_gradients;  ///< [own coordinate x mode], of zero mean over the element
 };
 
-template <int nodes, int modes>
 struct Table {
-  using Points = std::vector<SolidPoint<nodes, modes>>;
-  Points stiffness;  ///< integration points of the stiffness
-  Points mass;       ///< of mass and volume
-  Points corners;    ///< of weight 0
-  SolidPoint<nodes, modes> centre;
+  std::vector<SolidPoint> stiffness;  ///< integration points of the stiffness
+  std::vector<SolidPoint> mass;       ///< of mass and volume
+  std::vector<SolidPoint> corners;    ///< of weight 0
+  SolidPoint centre;
+
+  Eigen::Index nodes() const { return centre.gradients.cols(); }
+  Eigen::Index modes() const { return centre.mode_gradients.cols(); }
 };
 
-using HexahedronTable = Table<8, 3>;
-using WedgeTable = Table<6, 4>;
-using PyramidTable = Table<5, 0>;
-using TetrahedronTable = Table<4, 0>;
-using QuadraticHexahedronTable = Table<20, 0>;
-using QuadraticWedgeTable = Table<15, 0>;
-using QuadraticPyramidTable = Table<13, 0>;
-using QuadraticTetrahedronTable = Table<10, 0>;
+constexpr int k_most_nodes = 20;  ///< of any shape, and of its nodes and modes together
 
-const HexahedronTable& hexahedron();
-const WedgeTable& wedge();
-const PyramidTable& pyramid();
-const TetrahedronTable& tetrahedron();
-const QuadraticHexahedronTable& quadratic_hexahedron();
-const QuadraticWedgeTable& quadratic_wedge();
-const QuadraticPyramidTable& quadratic_pyramid();
-const QuadraticTetrahedronTable& quadratic_tetrahedron();
+const Table& hexahedron();
+const Table& wedge();
+const Table& pyramid();
+const Table& tetrahedron();
+const Table& quadratic_hexahedron();
+const Table& quadratic_wedge();
+const Table& quadratic_pyramid();
+const Table& quadratic_tetrahedron();
 
-/// Calls `action` with the table of a shape.
-template <typename Action>
-auto with_table(SolidShape shape, const Action& action) {
-  switch (shape) {
-    case SolidShape::hexahedron8:
-      return action(hexahedron());
-    case SolidShape::wedge6:
-      return action(wedge());
-    case SolidShape::pyramid5:
-      return action(pyramid());
-    case SolidShape::tetrahedron4:
-      return action(tetrahedron());
-    case SolidShape::hexahedron20:
-      return action(quadratic_hexahedron());
-    case SolidShape::wedge15:
-      return action(quadratic_wedge());
-    case SolidShape::pyramid13:
-      return action(quadratic_pyramid());
-    case SolidShape::tetrahedron10:
-      break;
-  }
-  return action(quadratic_tetrahedron());
-}
+const Table& table_of(SolidShape shape);
 
 }  // namespace mottle::fem::solid_shapes
