@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-
 /// As libFuzzer has it: libraries may ask for what a file says, and go on where they do not get it.
 extern "C" __attribute__((weak)) const char* __asan_default_options() {  // NOLINT(bugprone-reserved-identifier)
   return "allocator_may_return_null=1";
