@@ -58,7 +58,7 @@ bool do_others_sleep() {
   return !error;
 }
 
-/// Waits until all other threads sleep; false where that takes too long. OpenBLAS's own wait for work awake for a while.
+/// Waits until all other threads sleep; false where that takes too long (those of OpenBLAS wait for work awake).
 bool wait_for_others_to_sleep() {
   constexpr int k_attempts = 200;
   for (int attempt = 0; attempt < k_attempts; ++attempt) {
