@@ -51,27 +51,7 @@ format = "column"
 after = "FREQUENCIES"
 column = 1
 
-[[parameter]]
-name = "k1"
-distribution = { kind = "lognormal", mean = 2.0, std = 0.2 }
-
-[[parameter]]
-name = "k2"
-distribution = { kind = "lognormal", mean = 2.0, std = 0.2 }
-
-[outputs]
-frequencies = [1, 2]
-
-[test]
-file = "tests.csv"
-
-[update]
-method = "covariance-adjustment"
-samples = 16
-iterations = 2
-"""
-
-TESTS = "f1,f2\n0.140,0.370\n0.137,0.366\n0.144,0.375\n0.139,0.374\n0.142,0.365\n0.141,0.371\n"
+""" + support.two_masses(samples=16, iterations=2)
 
 
 class AnySolverTest(support.CommandTest):
@@ -81,7 +61,7 @@ class AnySolverTest(support.CommandTest):
         self.write("solver.py", SOLVER.replace("LOG", str(self.log)))
         self.write("in.txt.template", "{{k1}}\n{{k2:%20.14e}}\n")
         self.write("study.toml", STUDY)
-        self.write("tests.csv", TESTS)
+        self.write("tests.csv", support.TWO_MASSES_TESTS)
 
     def runs(self):
         return self.log.read_text().splitlines() if self.log.exists() else []

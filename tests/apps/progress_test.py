@@ -39,27 +39,8 @@ file = "stdout.txt"
 format = "column"
 column = 1
 
-[[parameter]]
-name = "k1"
-distribution = { kind = "lognormal", mean = 2.0, std = 0.2 }
+""" + support.two_masses(samples=8, iterations=2)
 
-[[parameter]]
-name = "k2"
-distribution = { kind = "lognormal", mean = 2.0, std = 0.2 }
-
-[outputs]
-frequencies = [1, 2]
-
-[test]
-file = "tests.csv"
-
-[update]
-method = "covariance-adjustment"
-samples = 8
-iterations = 2
-"""
-
-TESTS = "f1,f2\n0.140,0.370\n0.137,0.366\n0.144,0.375\n0.139,0.374\n0.142,0.365\n0.141,0.371\n"
 ERASE = "\r\033[K"
 
 
@@ -104,7 +85,7 @@ class ProgressTest(support.CommandTest):
         self.write("solver.py", SOLVER)
         self.write("in.txt.template", "{{k1}}\n{{k2:%20.14e}}\n")
         self.write("study.toml", STUDY)
-        self.write("tests.csv", TESTS)
+        self.write("tests.csv", support.TWO_MASSES_TESTS)
 
     def show(self, *arguments, columns=0):
         shown = Shown(arguments, self.folder, columns)

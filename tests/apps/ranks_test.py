@@ -81,7 +81,7 @@ class Servers(RanksTest):
         server = served_model.Model(**what)
         self.addCleanup(server.server_close)
         self.addCleanup(server.shutdown)
-        self.write("tests.csv", served_model.TESTS)
+        self.write("tests.csv", support.TWO_MASSES_TESTS)
         self.write("served.toml", served_model.HEAD + served_model.MODEL.replace("URL", server.url) +
                    "parallel = 4\nlargest_failed_part = 0.9\n" + served_model.REST)
         return server

@@ -27,28 +27,8 @@ springs = [
 ]
 """
 
-REST = """\
-[[parameter]]
-name = "k1"
-distribution = { kind = "lognormal", mean = 2.0, std = 0.2 }
+REST = support.two_masses(samples=40, iterations=3)
 
-[[parameter]]
-name = "k2"
-distribution = { kind = "lognormal", mean = 2.0, std = 0.2 }
-
-[outputs]
-frequencies = [1, 2]
-
-[test]
-file = "tests.csv"
-
-[update]
-method = "covariance-adjustment"
-samples = 40
-iterations = 3
-"""
-
-TESTS = "f1,f2\n0.140,0.370\n0.137,0.366\n0.144,0.375\n0.139,0.374\n0.142,0.365\n0.141,0.371\n"
 HEAD = 'title = "Two masses in a row"\nseed = 3\n\n'
 # Of an update whose evaluations are slow enough to be stored (50 ms).
 SHORT = ("--quiet", "--set", "update.samples=20", "--set", "update.iterations=1")
@@ -162,7 +142,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
 class UmbridgeTest(support.CommandTest):
     def setUp(self):
         super().setUp()
-        self.write("tests.csv", TESTS)
+        self.write("tests.csv", support.TWO_MASSES_TESTS)
         self.write("points.csv", POINTS)
 
     def model(self, **what):

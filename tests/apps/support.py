@@ -65,6 +65,8 @@ f1,f2,f3
 0.16784897711121846,0.35176559403439267,0.46023064077164544
 0.16347936267572327,0.3370983290769924,0.4572734203791198
 """
+# Of two masses in a row, whose springs have a stiffness of 2 (two_masses below).
+TWO_MASSES_TESTS = "f1,f2\n0.140,0.370\n0.137,0.366\n0.144,0.375\n0.139,0.374\n0.142,0.365\n0.141,0.371\n"
 # A Nastran deck of three masses in a row: 1.9006, 5.7822 and 8.9855 Hz.
 CHAIN = """\
 SOL 103
@@ -84,6 +86,30 @@ CONM2,5,1,,1.
 CONM2,6,2,,2.
 CONM2,7,3,,1.5
 ENDDATA
+"""
+
+
+def two_masses(samples, iterations):
+    """What follows the model in a study of two masses in a row."""
+    return f"""\
+[[parameter]]
+name = "k1"
+distribution = {{ kind = "lognormal", mean = 2.0, std = 0.2 }}
+
+[[parameter]]
+name = "k2"
+distribution = {{ kind = "lognormal", mean = 2.0, std = 0.2 }}
+
+[outputs]
+frequencies = [1, 2]
+
+[test]
+file = "tests.csv"
+
+[update]
+method = "covariance-adjustment"
+samples = {samples}
+iterations = {iterations}
 """
 
 
