@@ -113,9 +113,9 @@ coverage:
 
 # Every source by itself, without the precompiled headers, so that one that includes too little is found.
 plain:
-	$(INSTALL) --test
-	$(call configure,dev) -DMOTTLE_BUILD_TESTS=ON -DCMAKE_CXX_FLAGS_DEBUG=-O0
-	$(call build,dev)
+	$(INSTALL) --sanitize --python
+	$(call configure,plain) $(with_python)
+	ninja -C build/plain -j $(JOBS) $$(ninja -C build/plain -t targets all | sed -n 's/[.]o: .*/.o/p')
 
 # A short search for inputs that the readers do not survive; make fuzz FUZZ_SECONDS=3600 for a long one.
 fuzz:
