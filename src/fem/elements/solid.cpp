@@ -30,7 +30,8 @@ using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColM
 struct Geometry {
   Directions nodes;
 
-  Geometry(const Table& table, const NodesRef& given) : nodes(given.colwise() - Eigen::Vector3d(given.col(0))) {
+  Geometry([[maybe_unused]] const Table& table, const NodesRef& given)
+      : nodes(given.colwise() - Eigen::Vector3d(given.col(0))) {
     assert(given.cols() == table.nodes());
   }
 
