@@ -272,6 +272,7 @@ RankEnd MpiRanks::leave(const RankEnd& own) {
 
 extern "C" {
 // The names that mottle/core/launcher.hpp looks for.
+// NOLINTNEXTLINE(readability-identifier-naming): a name of C
 extern const int mottle_ranks_version;
 const int mottle_ranks_version = mottle::k_ranks_version;
 mottle::Ranks* mottle_join_ranks();
