@@ -108,7 +108,7 @@ coverage:
 	$(call build,coverage)
 	find build/coverage -name '*.gcda' -delete
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,coverage) --label-exclude "packaging|browser|timed|mpi|nightly"
-	gcovr --gcov-executable "llvm-cov gcov" -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
+	gcovr -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
 	  --fail-under-line 90 build/coverage
 
 # Every source by itself, without the precompiled headers, so that one that includes too little is found.
