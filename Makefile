@@ -61,7 +61,7 @@ lint: style
 # command with its tests; the other layers are those of the optimised build.
 sanitized_layers = core linalg formats drivers study report
 asan: build
-	$(INSTALL) --sanitize
+	$(INSTALL) --test
 	$(call configure,asan) "-DMOTTLE_SANITIZED_LAYERS=$(subst $() ,;,$(sanitized_layers))"
 	$(call build,asan) --target mottle_app --target mottle_fuzz_tests $(foreach layer,$(sanitized_layers),--target mottle_$(layer)_tests)
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^($(call alternatives,$(sanitized_layers))|apps|attack|fuzz)$$" \
@@ -69,7 +69,7 @@ asan: build
 
 # The same with every layer.
 asan-all:
-	$(INSTALL) --sanitize
+	$(INSTALL) --test
 	$(call configure,asan-all)
 	$(call build,asan-all)
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan-all) --label-exclude "packaging|browser|timed|mpi|nightly"
@@ -94,7 +94,7 @@ python:
 
 # Its tests under AddressSanitizer, but for those of memory's size, of other programs and of time.
 asan-python:
-	$(INSTALL) --sanitize --python
+	$(INSTALL) --test --python
 	$(call configure,asan-all) -DMOTTLE_BUILD_TESTS=ON $(with_python)
 	$(call build,asan-all) --target mottle_app --target mottle_python
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan-all) --label-regex "^python$$" --label-exclude nightly \
@@ -103,7 +103,7 @@ asan-python:
 # As asan-all, and the lines of the library that the tests reach (tests, the command and outside headers do not count): one
 # build for both, since that build is most of the cost.
 coverage:
-	$(INSTALL) --ci --sanitize
+	$(INSTALL) --ci
 	$(call configure,coverage)
 	$(call build,coverage)
 	find build/coverage -name '*.gcda' -delete
@@ -111,15 +111,15 @@ coverage:
 	gcovr -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
 	  --fail-under-line 90 build/coverage
 
-# Every source by itself, without the precompiled headers, so that one that includes too little is found.
+# Every source read by itself, by clang and without precompiled headers, so that one that includes too little is found.
 plain:
-	$(INSTALL) --sanitize --python
+	$(INSTALL) --test --clang --python
 	$(call configure,plain) $(with_python)
 	ninja -C build/plain -j $(JOBS) $$(ninja -C build/plain -t targets all | sed -n 's/[.]o: .*/.o/p')
 
 # A short search for inputs that the readers do not survive; make fuzz FUZZ_SECONDS=3600 for a long one.
 fuzz:
-	$(INSTALL) --sanitize
+	$(INSTALL) --test --clang
 	$(call configure,fuzz)
 	$(call build,fuzz) --target nastran_fuzz csv_fuzz uff_fuzz matrix_fuzz solver_output_fuzz mat_fuzz hdf5_fuzz \
 	  calculix_fuzz gmsh_fuzz umbridge_fuzz report_fuzz study_fuzz

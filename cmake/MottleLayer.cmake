@@ -61,7 +61,7 @@ function(mottle_optimise target level)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:${level}>)
 endfunction()
 
-# mottle_precompile(TARGET header...): reads these once for the target, if MOTTLE_PRECOMPILE. The preset dev goes without,
+# mottle_precompile(TARGET header...): reads these once for the target, if MOTTLE_PRECOMPILE. The presets dev and plain go without,
 # so that a source that includes too little does not compile.
 function(mottle_precompile target)
   if(MOTTLE_PRECOMPILE AND NOT target MATCHES "^mottle_core")  # core goes without Eigen

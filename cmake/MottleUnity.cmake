@@ -1,6 +1,6 @@
 # mottle_unity(TARGET): compiles the target's sources several at a time, if MOTTLE_UNITY: most of the cost of a source is
 # in the headers that it reads and in the templates that it makes of them. Sources share a group only if they define no
-# name in common. The plain build (preset dev) goes without, so that a source that includes too little does not compile.
+# name in common. The presets dev and plain go without, so that a source that includes too little does not compile.
 set(MOTTLE_UNITY_SIZE 8 CACHE STRING "Sources in a group at the most; a group of eight takes up to 2.2 GB of memory")
 
 # unity_names(PATH RESULT): the names that a source defines at the start of a line, and those of its constants, of which a

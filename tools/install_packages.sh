@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that are missing: all that is needed to build, test, or check this repository.
-#   tools/install_packages.sh [--run] [--build] [--test] [--deb] [--ci] [--sanitize] [--bench] [--python]     default: --build
-# Each set includes what it stands on (all but --run include --build, --sanitize --test, --ci --test and --deb). Asks for root only if something is missing.
+#   tools/install_packages.sh [--run] [--build] [--test] [--deb] [--ci] [--clang] [--bench] [--python]     default: --build
+# Each set includes what it stands on (all but --run include --build, --ci includes --test and --deb). Asks for root only if something is missing.
 set -euo pipefail
 
 # "package" or "package:command": a command on the PATH counts too (node and npm often come from elsewhere, and
@@ -15,7 +15,7 @@ test=(libgtest-dev libgmock-dev python3:python3 chromium:chromium calculix-ccx:c
       libopenmpi-dev openmpi-bin)
 deb=(dpkg-dev file help2man:help2man)
 ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr ccache:ccache slurm-wlm munge)
-sanitize=(clang:clang++ llvm:llvm-symbolizer)
+clang=(clang:clang++)
 python=(pybind11-dev python3-dev python3-numpy python3-scipy python3-pandas python3-xarray python3-matplotlib
         python3-statsmodels python3-pytest python3-nbclient python3-nbconvert python3-ipykernel mypy:mypy)
 bench=(libbenchmark-dev libspectra-dev octave python3:python3 python3-numpy python3-scipy python3-openturns python3-sklearn
@@ -29,10 +29,10 @@ for set in "${@:---build}"; do
     --test) wanted+=("${build[@]}" "${test[@]}") ;;
     --deb) wanted+=("${build[@]}" "${deb[@]}") ;;
     --ci) wanted+=("${build[@]}" "${test[@]}" "${deb[@]}" "${ci[@]}") ;;
-    --sanitize) wanted+=("${build[@]}" "${test[@]}" "${sanitize[@]}") ;;
+    --clang) wanted+=("${build[@]}" "${clang[@]}") ;;
     --python) wanted+=("${build[@]}" "${python[@]}") ;;
     --bench) wanted+=("${build[@]}" "${bench[@]}") ;;
-    *) echo "usage: $0 [--run] [--build] [--test] [--deb] [--ci] [--sanitize] [--bench] [--python]; found '$set'" >&2; exit 2 ;;
+    *) echo "usage: $0 [--run] [--build] [--test] [--deb] [--ci] [--clang] [--bench] [--python]; found '$set'" >&2; exit 2 ;;
   esac
 done
 
