@@ -5,6 +5,7 @@ import gc
 import multiprocessing
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import threading
@@ -295,6 +296,7 @@ def test_a_fork_in_the_middle_of_jobs_of_other_threads():
             child = os.fork()
             if child == 0:
                 status = 1
+                signal.alarm(60)  # ends a child that waits for ever
                 try:
                     status = 0 if update(frequencies, samples=20, iterations=2).mean.shape == (2,) else 2
                 finally:

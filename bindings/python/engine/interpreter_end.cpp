@@ -10,6 +10,8 @@
 #include <mutex>
 #include <thread>
 
+#include "mottle/core/process_mutex.hpp"
+
 namespace mottle::python {
 namespace {
 
@@ -18,8 +20,8 @@ namespace py = pybind11;
 constexpr std::chrono::seconds k_patience{5};  // with a job that does not stop
 
 struct State {
-  std::mutex mutex;
-  std::condition_variable changed;
+  ProcessMutex mutex;
+  std::condition_variable_any changed;
   pid_t process = 0;  // whose jobs are counted: a fork has none of its parent's
   int jobs = 0;
   int returning = 0;  // of the jobs
@@ -49,7 +51,7 @@ void end_process(int status, void* /*unused*/) {
 void stop_jobs() {
   const py::gil_scoped_release free;
   State& s = state();
-  std::unique_lock<std::mutex> lock(s.mutex);
+  std::unique_lock lock(s.mutex);
   count_own_jobs(s);
   s.is_ending = true;
   s.changed.wait_for(lock, k_patience, [&] { return s.jobs == 0; });
@@ -65,7 +67,7 @@ void stop_jobs_at_interpreter_end() {
 }
 
 bool is_interpreter_ending() {
-  const std::lock_guard<std::mutex> lock(state().mutex);
+  const std::lock_guard lock(state().mutex);
   return state().is_ending;
 }
 
@@ -75,14 +77,14 @@ void sleep_for_ever() {
 
 AwaitedJob::AwaitedJob() {
   State& s = state();
-  const std::lock_guard<std::mutex> lock(s.mutex);
+  const std::lock_guard lock(s.mutex);
   count_own_jobs(s);
   ++s.jobs;
 }
 
 AwaitedJob::~AwaitedJob() {
   State& s = state();
-  const std::lock_guard<std::mutex> lock(s.mutex);
+  const std::lock_guard lock(s.mutex);
   count_own_jobs(s);
   if (s.jobs > 0) --s.jobs;
   if (returns_ && s.returning > 0) --s.returning;
@@ -92,7 +94,7 @@ AwaitedJob::~AwaitedJob() {
 void AwaitedJob::return_to_python() {
   State& s = state();
   {
-    const std::lock_guard<std::mutex> lock(s.mutex);
+    const std::lock_guard lock(s.mutex);
     if (!s.waits_no_longer) {
       returns_ = true;
       ++s.returning;

@@ -16,8 +16,8 @@ constexpr int k_symmetric_indefinite = 2;
 constexpr int k_communicator = -987654;  // MUMPS' own number for "the world"
 
 /// MUMPS keeps state in Fortran modules: one call at a time in a process.
-std::mutex& one_at_a_time() {
-  static std::mutex mutex;
+ProcessMutex& one_at_a_time() {
+  static ProcessMutex mutex;
   return mutex;
 }
 

@@ -119,8 +119,8 @@ std::vector<int> dissect(BlockGraph graph) {
 
 }  // namespace
 
-std::mutex& one_order_at_a_time() {
-  static std::mutex mutex;
+ProcessMutex& one_order_at_a_time() {
+  static ProcessMutex mutex;
   return mutex;
 }
 

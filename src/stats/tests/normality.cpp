@@ -9,6 +9,7 @@
 #include <mutex>
 #include <numeric>
 
+#include "mottle/core/process_mutex.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
@@ -95,9 +96,9 @@ UnivariateReference make_reference(Eigen::Index size) {
 
 double henze_zirkler_probability(double statistic, Eigen::Index specimens, Eigen::Index variables) {
   constexpr Eigen::Index k_samples = 999;
-  static std::mutex mutex;
+  static ProcessMutex mutex;
   static std::map<std::pair<Eigen::Index, Eigen::Index>, std::vector<double>> kept;
-  const std::lock_guard<std::mutex> lock(mutex);
+  const std::lock_guard lock(mutex);
   std::vector<double>& reference = kept[{specimens, variables}];
   if (reference.empty()) {
     for (Eigen::Index r = 0; r < k_samples; ++r) {
@@ -176,9 +177,9 @@ NormalityStatistics normality_statistics(const Eigen::Ref<const Eigen::VectorXd>
 }
 
 NormalityProbabilities normality_probabilities(const NormalityStatistics& statistics, Eigen::Index size) {
-  static std::mutex mutex;
+  static ProcessMutex mutex;
   static std::map<Eigen::Index, UnivariateReference> kept;
-  const std::lock_guard<std::mutex> lock(mutex);
+  const std::lock_guard lock(mutex);
   auto found = kept.find(size);
   if (found == kept.end()) found = kept.emplace(size, make_reference(size)).first;
   const UnivariateReference& reference = found->second;

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "mottle/core/process_mutex.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "stats/distributions/standard_normals.hpp"
@@ -101,12 +102,12 @@ Group judge_by_simulation(const std::vector<ForwardStep>& steps, Eigen::MatrixXd
 
 /// The reference of complete samples depends on their size alone: it is kept.
 Group find_group(const CompleteSample& sample, const Eigen::MatrixXd& axes, double level) {
-  static std::mutex mutex;
+  static ProcessMutex mutex;
   static std::map<std::array<Eigen::Index, 3>, Eigen::MatrixXd> kept;
   const Eigen::Index specimens = sample.size();
   const Eigen::Index effects = sample.effects();
   const std::vector<ForwardStep> steps = all_steps(sample, sample.along(axes));
-  const std::lock_guard<std::mutex> lock(mutex);
+  const std::lock_guard lock(mutex);
   Eigen::MatrixXd& rows = kept[{specimens, effects, axes.rows()}];
   return judge_by_simulation(steps, rows, level, 999, [&](Eigen::Index r) {
     // Axes count as uncorrelated, more of them than effects too: the most that chance can show.
