@@ -63,6 +63,7 @@ class SlurmRanksTest(rank_jobs.RanksTest):
         self.pace(0.1)
         job = self.start(3, "update", study, "--quiet", "--out", "out")
         self.wait_for_runs(alone + 12, job)
+        self.pace(60.0)  # it does not end before the harm is done, however busy the machine
         harm()
         begin = time.monotonic()
         _, err = job.communicate(timeout=support.PATIENCE * 60)
