@@ -27,7 +27,7 @@ with_python = -DMOTTLE_BUILD_PYTHON=ON -DPython3_EXECUTABLE=$(PYTHON)
 four_ranks = mpirun -n 4 --oversubscribe --allow-run-as-root
 tsan_options = TSAN_OPTIONS="suppressions=$(CURDIR)/tools/tsan.supp $$TSAN_OPTIONS"
 
-.PHONY: build demo test style lint asan asan-all tsan coverage fuzz attack python asan-python notebook deb try-deb bench clean plain
+.PHONY: build demo test style lint asan asan-all tsan coverage fuzz attack python notebook deb try-deb bench clean plain
 .DEFAULT_GOAL := build
 
 build:
@@ -67,12 +67,14 @@ asan: build
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^($(call alternatives,$(sanitized_layers))|apps|attack|fuzz)$$" \
 	  --label-exclude "packaging|browser|timed|mpi|nightly"
 
-# The same with every layer.
+# Every layer, the command and the Python package, but for tests of memory's size, of other programs and of time.
+sanitised_tests = MOTTLE_TEST_PATIENCE=5 $(call ctest,$(1)) --label-exclude "packaging|browser|timed|mpi|nightly" \
+  --exclude-regex "^python_(figures|leaks|notebooks|package|typing)$$"
 asan-all:
-	$(INSTALL) --test
-	$(call configure,asan-all)
+	$(INSTALL) --test --python
+	$(call configure,asan-all) $(with_python)
 	$(call build,asan-all)
-	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan-all) --label-exclude "packaging|browser|timed|mpi|nightly"
+	$(call sanitised_tests,asan-all)
 
 tsan:
 	$(INSTALL) --test
@@ -92,22 +94,14 @@ python:
 	$(call ctest,release) --label-regex "^python$$" --label-exclude "timed|$(long_ones)"
 	$(call ctest,release) --label-regex "^python$$" --label-regex timed --label-exclude "$(long_ones)" --repeat until-pass:2
 
-# Its tests under AddressSanitizer, but for those of memory's size, of other programs and of time.
-asan-python:
-	$(INSTALL) --test --python
-	$(call configure,asan-all) -DMOTTLE_BUILD_TESTS=ON $(with_python)
-	$(call build,asan-all) --target mottle_app --target mottle_python
-	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan-all) --label-regex "^python$$" --label-exclude nightly \
-	  --exclude-regex "^python_(ends|figures|interrupts|leaks|notebooks|package|typing)$$"
-
 # As asan-all, and the lines of the library that the tests reach (tests, the command and outside headers do not count): one
 # build for both, since that build is most of the cost.
 coverage:
-	$(INSTALL) --ci
-	$(call configure,coverage)
+	$(INSTALL) --ci --python
+	$(call configure,coverage) $(with_python)
 	$(call build,coverage)
 	find build/coverage -name '*.gcda' -delete
-	MOTTLE_TEST_PATIENCE=5 $(call ctest,coverage) --label-exclude "packaging|browser|timed|mpi|nightly"
+	$(call sanitised_tests,coverage)
 	gcovr -j $(JOBS) --root . --filter src/ --filter include/ --exclude-throw-branches --print-summary \
 	  --fail-under-line 90 build/coverage
 
