@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Lets every fuzzer look for faults for a while, all at once. Stops with what was found; inputs that reach new code are
-# kept in BUILD/corpus and used by the next run.
+# kept in BUILD/corpus and used by the next run, the fewest that reach as much in BUILD/kept/NAME.hex, to be copied to
+# tests/fuzz/corpus: an input a line, in hexadecimal.
 #   tools/fuzz.sh BUILD SECONDS
 set -euo pipefail
 build=$1 seconds=$2
@@ -14,12 +15,26 @@ fuzz() {
   local name=$1
   shift
   mkdir -p "$build/corpus/$name" "$build/seeds/$name"
-  for seed in $(sed -n "s/^$name: //p" tests/fuzz/seeds.txt) tests/fuzz/corpus/"$name"/*; do
-    if [[ -f $seed ]]; then cp "$seed" "$build/seeds/$name/$(tr / - <<<"$seed")"; fi
-  done
+  for seed in $(sed -n "s/^$name: //p" tests/fuzz/seeds.txt); do cp "$seed" "$build/seeds/$name/$(tr / - <<<"$seed")"; done
+  if [[ -f tests/fuzz/corpus/$name.hex ]]; then
+    local number=0 line
+    while read -r line; do printf "$(sed 's/../\\x&/g' <<<"$line")" >"$build/seeds/$name/kept-$((++number))"; done <"tests/fuzz/corpus/$name.hex"
+  fi
   # By the clock: a long search runs beside other work, which may keep one of ten from its turn for a minute.
   "$build/tests/fuzz/${name}_fuzz" -max_total_time="$seconds" -max_len=4096 -timeout="$((seconds > 600 ? seconds / 6 : 60))" -rss_limit_mb=2048 \
     -print_final_stats=1 -artifact_prefix="$build/$name-" "$@" "$build/corpus/$name" "$build/seeds/$name" >"$build/$name.log" 2>&1
+}
+
+# The fewest inputs, none above 1 kB, that reach what the search has reached beyond the seeds.
+keep() {
+  local name=$1 least=$build/least/$1
+  rm -rf "$least"
+  mkdir -p "$build/kept"
+  cp -r "$build/seeds/$name" "$least"
+  "$build/tests/fuzz/${name}_fuzz" -merge=1 -detect_leaks=0 "$least" "$build/corpus/$name" >>"$build/$name.log" 2>&1
+  find "$least" -size -1025c -type f -printf '%f\n' | while read -r input; do
+    if [[ ! -f $build/seeds/$name/$input || $input == kept-* ]]; then od -An -v -tx1 "$least/$input" | tr -d ' \n'; echo; fi
+  done | sort >"$build/kept/$name.hex"
 }
 
 declare -A job
@@ -37,6 +52,7 @@ failed=0
 for name in "${!job[@]}"; do
   if wait "${job[$name]}"; then
     echo "$name: $(grep -oP 'number_of_executed_units: *\K\d+' "$build/$name.log") executions, no finding"
+    keep "$name"
   else
     failed=1
     echo "::: $build/$name.log"

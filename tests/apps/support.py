@@ -13,80 +13,13 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 THREE_MASSES = SOURCE / "examples" / "01-three-masses"
 MOTTLE = ""
 
-STUDY = """\
-title = "A study for tests"
-units = "SI"
-seed = 7
-
-[model]
-kind = "mass-spring"
-masses = { m1 = 1.0, m2 = 1.0, m3 = 1.0 }
-springs = [
-  { name = "k1", between = ["ground", "m1"], stiffness = 1.0 },
-  { name = "k2", between = ["ground", "m2"], stiffness = 1.0 },
-  { name = "k3", between = ["ground", "m3"], stiffness = 1.0 },
-  { name = "k4", between = ["m1", "m2"], stiffness = 1.0 },
-  { name = "k5", between = ["m2", "m3"], stiffness = 1.0 },
-  { name = "k6", between = ["m1", "m3"], stiffness = 3.0 },
-]
-
-[[parameter]]
-name = "k1"
-target = "spring:k1"
-distribution = { kind = "normal", mean = 2.0, std = 0.3 }
-bounds = [0.5, 3.0]
-
-[[parameter]]
-name = "k2"
-target = "spring:k2"
-distribution = { kind = "normal", mean = 2.0, std = 0.3 }
-
-[outputs]
-frequencies = [1, 2, 3]
-
-[test]
-file = "tests.csv"
-
-[update]
-method = "mares"
-samples = 200
-iterations = 30
-
-[update.mares]
-weighting = "mahalanobis"
-"""
-
-TESTS = """\
-f1,f2,f3
-0.1763570506816554,0.3131497726771104,0.45042916001957517
-0.15687913901247214,0.3080098662667982,0.4453461832320965
-0.1654460037166279,0.3306499755013718,0.44854953970272743
-0.1544553212110254,0.29637131878810136,0.45121694877005003
-0.16784897711121846,0.35176559403439267,0.46023064077164544
-0.16347936267572327,0.3370983290769924,0.4572734203791198
-"""
+TEXTS = SOURCE / "tests" / "support" / "studies"  # which the tests in C++ start from too
+STUDY = (TEXTS / "three_masses.toml").read_text(encoding="utf-8")
+TESTS = (TEXTS / "three_masses.csv").read_text(encoding="utf-8")
+# A Nastran deck of three masses in a row: 1.9006, 5.7822 and 8.9855 Hz.
+CHAIN = (TEXTS / "chain.bdf").read_text(encoding="utf-8")
 # Of two masses in a row, whose springs have a stiffness of 2 (two_masses below).
 TWO_MASSES_TESTS = "f1,f2\n0.140,0.370\n0.137,0.366\n0.144,0.375\n0.139,0.374\n0.142,0.365\n0.141,0.371\n"
-# A Nastran deck of three masses in a row: 1.9006, 5.7822 and 8.9855 Hz.
-CHAIN = """\
-SOL 103
-CEND
-METHOD = 10
-SPC = 1
-BEGIN BULK
-EIGRL,10,,,3
-GRID,1,,0.,0.,0.
-GRID,2,,1.,0.,0.
-GRID,3,,2.,0.,0.
-SPC1,1,23456,1,THRU,3
-CELAS2,1,1000.,1,1
-CELAS2,2,1500.,1,1,2,1
-CELAS2,3,1200.,2,1,3,1
-CONM2,5,1,,1.
-CONM2,6,2,,2.
-CONM2,7,3,,1.5
-ENDDATA
-"""
 
 
 def two_masses(samples, iterations):

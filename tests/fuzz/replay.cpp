@@ -25,19 +25,19 @@ namespace {
 
 constexpr std::size_t k_largest = 1 << 16;  // of an input; a search makes none above 4096 bytes
 // What runs now; never destroyed, since leaks are reported after the end.
-std::string& input_name = *new std::string;
-std::string& input = *new std::string;
+std::string& running_name = *new std::string;
+std::string& running = *new std::string;
 
 /// Says which input has ended the program, and keeps it.
 void report_input() {
-  std::fprintf(stderr, "the input is %s (%zu bytes), kept as fuzz-finding\n", input_name.c_str(), input.size());
-  std::ofstream("fuzz-finding", std::ios::binary) << input;
+  std::fprintf(stderr, "the input is %s (%zu bytes), kept as fuzz-finding\n", running_name.c_str(), running.size());
+  std::ofstream("fuzz-finding", std::ios::binary) << running;
 }
 
 void run(const std::string& name, const std::string& bytes) {
-  input_name = name;
-  input = bytes;
-  LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(input.data()), input.size());
+  running_name = name;
+  running = bytes;
+  LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(running.data()), running.size());
 }
 
 std::vector<std::filesystem::path> files_of(int count, char** arguments) {
@@ -89,6 +89,30 @@ std::string changed(std::string bytes, std::mt19937_64& random) {
   return bytes;
 }
 
+struct Input {
+  std::string name;
+  std::string bytes;
+};
+
+/// The file itself; of a file *.hex, in which a search has kept inputs, that of each line.
+std::vector<Input> inputs_of(const std::filesystem::path& file) {
+  const std::string name = file.filename().string();
+  std::ifstream stream(file, std::ios::binary);
+  if (file.extension() != ".hex") {
+    Input whole{name, {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()}};
+    whole.bytes.resize(std::min(whole.bytes.size(), k_largest));
+    return {whole};
+  }
+  std::vector<Input> inputs;
+  for (std::string line; std::getline(stream, line);) {
+    Input& input = inputs.emplace_back(Input{name + ", line " + std::to_string(inputs.size() + 1), {}});
+    for (std::size_t at = 0; at + 1 < line.size(); at += 2) {
+      input.bytes += static_cast<char>(std::stoi(line.substr(at, 2), nullptr, 16));
+    }
+  }
+  return inputs;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -96,17 +120,16 @@ int main(int count, char** arguments) {
   __sanitizer_set_death_callback(report_input);
   std::signal(SIGABRT, [](int) { report_input(); });
   const long changes = std::strtol(arguments[1], nullptr, 10);
-  const auto files = files_of(count - 2, arguments + 2);
+  long kept = 0;
   long runs = 0;
-  for (const auto& file : files) {
-    std::ifstream stream(file, std::ios::binary);
-    std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-    bytes.resize(std::min(bytes.size(), k_largest));
-    run(file.filename().string(), bytes);
-    std::mt19937_64 random(std::hash<std::string>{}(file.filename().string()));
-    for (long i = 0; i < changes; ++i, ++runs)
-      run(file.filename().string() + ", change " + std::to_string(i), changed(bytes, random));
+  for (const auto& file : files_of(count - 2, arguments + 2)) {
+    for (const auto& [name, bytes] : inputs_of(file)) {
+      run(name, bytes);
+      ++kept;
+      std::mt19937_64 random(std::hash<std::string>{}(name));
+      for (long i = 0; i < changes; ++i, ++runs) run(name + ", change " + std::to_string(i), changed(bytes, random));
+    }
   }
-  std::printf("%zu kept inputs and %ld changes of them, no finding\n", files.size(), runs);
-  return files.empty() ? 2 : 0;
+  std::printf("%ld kept inputs and %ld changes of them, no finding\n", kept, runs);
+  return kept == 0 ? 2 : 0;
 }

@@ -1,6 +1,7 @@
 // The study of three masses and the measurements that tests start from, and edits of such texts.
 #pragma once
 
+#include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -9,76 +10,18 @@
 
 namespace mottle::test {
 
-inline const std::string k_three_masses_study = R"(title = "A study for tests"
-units = "SI"
-seed = 7
+/// A file of tests/support/studies, which the tests in Python start from too.
+inline std::string text_of(const std::string& name) {
+  std::ifstream stream(MOTTLE_SOURCE_DIR "/tests/support/studies/" + name);
+  std::ostringstream text;
+  if (!(text << stream.rdbuf())) throw std::logic_error("no text '" + name + "' in tests/support/studies");
+  return text.str();
+}
 
-[model]
-kind = "mass-spring"
-masses = { m1 = 1.0, m2 = 1.0, m3 = 1.0 }
-springs = [
-  { name = "k1", between = ["ground", "m1"], stiffness = 1.0 },
-  { name = "k2", between = ["ground", "m2"], stiffness = 1.0 },
-  { name = "k3", between = ["ground", "m3"], stiffness = 1.0 },
-  { name = "k4", between = ["m1", "m2"], stiffness = 1.0 },
-  { name = "k5", between = ["m2", "m3"], stiffness = 1.0 },
-  { name = "k6", between = ["m1", "m3"], stiffness = 3.0 },
-]
-
-[[parameter]]
-name = "k1"
-target = "spring:k1"
-distribution = { kind = "normal", mean = 2.0, std = 0.3 }
-bounds = [0.5, 3.0]
-
-[[parameter]]
-name = "k2"
-target = "spring:k2"
-distribution = { kind = "normal", mean = 2.0, std = 0.3 }
-
-[outputs]
-frequencies = [1, 2, 3]
-
-[test]
-file = "tests.csv"
-
-[update]
-method = "mares"
-samples = 200
-iterations = 30
-
-[update.mares]
-weighting = "mahalanobis"
-)";
-
-inline const std::string k_three_masses_tests =
-    "f1,f2,f3\n"
-    "0.1763570506816554,0.3131497726771104,0.45042916001957517\n"
-    "0.15687913901247214,0.3080098662667982,0.4453461832320965\n"
-    "0.1654460037166279,0.3306499755013718,0.44854953970272743\n"
-    "0.1544553212110254,0.29637131878810136,0.45121694877005003\n"
-    "0.16784897711121846,0.35176559403439267,0.46023064077164544\n"
-    "0.16347936267572327,0.3370983290769924,0.4572734203791198\n";
-
+inline const std::string k_three_masses_study = text_of("three_masses.toml");
+inline const std::string k_three_masses_tests = text_of("three_masses.csv");
 /// A Nastran deck of three masses in a row: 1.9006, 5.7822 and 8.9855 Hz.
-inline const std::string k_chain_deck = R"(SOL 103
-CEND
-METHOD = 10
-SPC = 1
-BEGIN BULK
-EIGRL,10,,,3
-GRID,1,,0.,0.,0.
-GRID,2,,1.,0.,0.
-GRID,3,,2.,0.,0.
-SPC1,1,23456,1,THRU,3
-CELAS2,1,1000.,1,1
-CELAS2,2,1500.,1,1,2,1
-CELAS2,3,1200.,2,1,3,1
-CONM2,5,1,,1.
-CONM2,6,2,,2.
-CONM2,7,3,,1.5
-ENDDATA
-)";
+inline const std::string k_chain_deck = text_of("chain.bdf");
 
 /// One part of a text that is replaced.
 struct TextChange {
