@@ -2,55 +2,57 @@
 
 #include <pthread.h>
 
-#include <algorithm>
-#include <vector>
-
 namespace mottle {
 namespace {
 
-struct Known {
-  std::mutex mutex;
-  std::vector<ProcessMutex*> all;
-};
+// Threads during which nothing forks hold it as readers, a thread that forks as the writer. Writers come first, so that
+// a fork waits for those who hold it, and not for those who come after.
+constexpr pthread_rwlock_t k_free = PTHREAD_RWLOCK_WRITER_NONRECURSIVE_INITIALIZER_NP;
+constinit pthread_rwlock_t gate = k_free;
+constinit thread_local int depth = 0;  // how many of these this thread holds; the outermost one is the reader
 
-/// Never destroyed: threads may fork while static objects are destroyed.
-Known& known() {
-  static Known& the_known = *new Known;
-  return the_known;
+void enter() {
+  if (depth++ == 0) ::pthread_rwlock_rdlock(&gate);
 }
 
-/// While it waits for one it holds none, whatever the order in which others take them.
-void lock_all() {
-  known().mutex.lock();
-  const std::vector<ProcessMutex*>& all = known().all;
-  for (auto next = all.begin(); next != all.end();) {
-    if ((*next)->try_lock()) {
-      ++next;
-      continue;
-    }
-    std::for_each(all.begin(), next, [](ProcessMutex* held) { held->unlock(); });
-    const std::lock_guard until_free(**next);
-    next = all.begin();
-  }
+void leave() {
+  if (--depth == 0) ::pthread_rwlock_unlock(&gate);
 }
 
-void unlock_all() {
-  for (ProcessMutex* held : known().all) held->unlock();
-  known().mutex.unlock();
+/// A thread that forks while it holds one itself cannot wait for the others.
+void before_fork() {
+  if (depth == 0) ::pthread_rwlock_wrlock(&gate);
 }
+
+void after_fork() {
+  if (depth == 0) ::pthread_rwlock_unlock(&gate);
+}
+
+/// The lock knows its writer by a number that is another one here.
+void begin_process() {
+  gate = k_free;
+  if (depth > 0) ::pthread_rwlock_rdlock(&gate);
+}
+
+[[maybe_unused]] const int k_is_registered = ::pthread_atfork(before_fork, after_fork, begin_process);
 
 }  // namespace
 
-ProcessMutex::ProcessMutex() {
-  static const int k_is_registered = ::pthread_atfork(lock_all, unlock_all, unlock_all);
-  static_cast<void>(k_is_registered);
-  const std::lock_guard lock(known().mutex);
-  known().all.push_back(this);
+NoFork::NoFork() {
+  enter();
+}
+NoFork::~NoFork() {
+  leave();
 }
 
-ProcessMutex::~ProcessMutex() {
-  const std::lock_guard lock(known().mutex);
-  std::erase(known().all, this);
+void ProcessMutex::lock() {
+  enter();
+  mutex_.lock();
+}
+
+void ProcessMutex::unlock() {
+  mutex_.unlock();
+  leave();
 }
 
 }  // namespace mottle

@@ -7,44 +7,114 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <functional>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 namespace mottle {
 namespace {
 
-/// Exit code of a forked process that takes both: 0, or 99 after 20 s without them.
-int code_of_child(ProcessMutex& first, ProcessMutex& second, const int& changes) {
+/// What `action` gives in a forked process; -1 where a signal ends it, as SIGALRM does after 20 s.
+int code_of_child(const std::function<int()>& action) {
   const pid_t child = ::fork();
+  if (child == -1) return -1;
   if (child == 0) {
-    ::signal(SIGALRM, [](int /*signal*/) { ::_exit(99); });
     ::alarm(20);
-    const std::lock_guard one(first);
-    const std::lock_guard other(second);
-    ::_exit(changes % 2);
+    ::_exit(action());
   }
   int status = 0;
-  ::waitpid(child, &status, 0);
+  if (::waitpid(child, &status, 0) != child || !WIFEXITED(status)) return -1;
   return WEXITSTATUS(status);
 }
 
-TEST(ProcessMutex, IsFreeInAForkedProcessAndWhatItGuardsIsWhole) {
-  ProcessMutex first;
-  ProcessMutex second;
-  int changes = 0;  // even while nobody holds both
-  std::atomic<bool> is_done = false;
-  std::thread other([&] {
-    while (!is_done) {
-      const std::lock_guard outer(second);  // the later one first
-      const std::lock_guard inner(first);
-      ++changes;
-      std::this_thread::sleep_for(std::chrono::microseconds(300));
-      ++changes;
+/// Threads that do this again and again while it lives.
+class Busy {
+ public:
+  Busy(int count, const std::function<void()>& action) {
+    for (int i = 0; i < count; ++i) {
+      threads_.emplace_back([this, action] {
+        while (!is_done_) action();
+      });
     }
+  }
+  Busy(const Busy&) = delete;
+  Busy& operator=(const Busy&) = delete;
+  ~Busy() { is_done_ = true; }
+
+ private:
+  std::atomic<bool> is_done_ = false;
+  std::vector<std::jthread> threads_;
+};
+
+void pause() {
+  std::this_thread::sleep_for(std::chrono::microseconds(300));
+}
+
+constinit ProcessMutex first;
+constinit ProcessMutex second;
+
+TEST(ProcessMutex, IsFreeInAForkedProcessAndWhatItGuardsIsWhole) {
+  int changes = 0;  // even while nobody holds both
+  const Busy busy(1, [&] {
+    const std::lock_guard outer(second);
+    const std::lock_guard inner(first);
+    ++changes;
+    pause();
+    ++changes;
   });
-  for (int fork = 0; fork < 100; ++fork) ASSERT_EQ(code_of_child(first, second, changes), 0) << "fork " << fork;
-  is_done = true;
-  other.join();
+  for (int fork = 0; fork < 100; ++fork) {
+    const int code = code_of_child([&] {
+      const std::lock_guard one(first);
+      const std::lock_guard other(second);
+      return changes % 2;
+    });
+    ASSERT_EQ(code, 0) << "fork " << fork;
+  }
+}
+
+TEST(ProcessMutex, HeldByOtherThreadsInTurnWithoutAPauseDelaysAForkByOneTurn) {
+  const auto hold = [](ProcessMutex& mutex) {
+    const std::lock_guard lock(mutex);
+    pause();
+  };
+  const Busy of_first(2, [&] { hold(first); });
+  const Busy of_second(2, [&] { hold(second); });
+  for (int fork = 0; fork < 100; ++fork) ASSERT_EQ(code_of_child([] { return 0; }), 0) << "fork " << fork;
+}
+
+TEST(ProcessMutex, HeldByTheThreadThatForksIsHeldByItInTheForkedProcessToo) {
+  const Busy busy(1, [&] { const std::lock_guard lock(second); });
+  first.lock();
+  EXPECT_EQ(code_of_child([] {
+              first.unlock();
+              const std::lock_guard again(first);
+              return 0;
+            }),
+            0);
+  first.unlock();
+  EXPECT_EQ(code_of_child([] { return 0; }), 0);
+}
+
+template <int N>
+int slow_static() {
+  const NoFork no_fork;
+  static const int value = [] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return N;
+  }();
+  return value;
+}
+
+TEST(NoFork, LetsAForkedProcessHaveAStaticObjectThatAnotherThreadWasMaking) {
+  std::atomic<bool> has_begun = false;
+  const std::jthread other([&] {
+    has_begun = true;
+    slow_static<7>();
+  });
+  while (!has_begun) std::this_thread::yield();
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_EQ(code_of_child([] { return slow_static<7>() - 7; }), 0);
 }
 
 }  // namespace

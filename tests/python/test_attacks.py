@@ -308,6 +308,30 @@ def test_a_fork_in_the_middle_of_jobs_of_other_threads():
             each.join()
 
 
+def test_a_fork_while_another_thread_makes_what_all_share():
+    script = """
+import os, signal, sys, threading
+sys.path[:0] = [os.environ["MOTTLE_PYTHON"], os.environ["MOTTLE_TESTS"]]
+from test_functions import frequencies, update
+def is_loading():
+    return "mottle_openturns.so" in open("/proc/self/maps").read()
+thread = threading.Thread(target=lambda: update(frequencies))
+thread.start()
+while thread.is_alive() and not is_loading():
+    pass
+child = os.fork()
+if child == 0:
+    signal.alarm(60)
+    update(frequencies)
+    os._exit(0)
+thread.join()
+print(is_loading(), os.waitpid(child, 0)[1])
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=120,
+                          env={**os.environ, "MOTTLE_TESTS": str(Path(__file__).parent)})
+    assert (done.returncode, done.stdout, done.stderr) == (0, "True 0\n", "")
+
+
 def test_a_forked_model_is_the_childs_own():
     """A model that forks: the child ends by itself, the parent goes on."""
     def model(samples):

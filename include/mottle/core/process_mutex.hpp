@@ -1,23 +1,29 @@
-// Mutexes of what all threads of a process share.
+// What keeps a process from being forked while its threads change what all of them share. A forked process has none of
+// the other threads of the first one: a mutex that one of them held would never be unlocked there, a static object that
+// one was making never be made. So a fork (by fork(), as Python's multiprocessing starts processes; not by
+// posix_spawn()) waits until no other thread holds one of these.
 #pragma once
 
 #include <mutex>
 
 namespace mottle {
 
-/// A mutex for static objects. A process that is forked has none of the other threads of the first one: a mutex that
-/// one of them held would never be unlocked there, and what it guards stay half changed. So a fork (by fork(), as
-/// Python's multiprocessing starts processes; not by posix_spawn()) waits until no other thread holds such a mutex.
+/// No other thread forks while one of these lives. It goes before a function's static object that takes long to make:
+/// a thread that forks and the process that it makes could wait for one another there.
+class NoFork {
+ public:
+  NoFork();
+  ~NoFork();
+  NoFork(const NoFork&) = delete;
+  NoFork& operator=(const NoFork&) = delete;
+};
+
+/// A mutex for static objects, during which nothing forks.
 class ProcessMutex {
  public:
-  ProcessMutex();
-  ~ProcessMutex();
-  ProcessMutex(const ProcessMutex&) = delete;
-  ProcessMutex& operator=(const ProcessMutex&) = delete;
-
-  void lock() { mutex_.lock(); }
-  bool try_lock() { return mutex_.try_lock(); }
-  void unlock() { mutex_.unlock(); }
+  constexpr ProcessMutex() = default;
+  void lock();
+  void unlock();
 
  private:
   std::mutex mutex_;

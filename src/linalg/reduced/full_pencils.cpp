@@ -8,6 +8,7 @@
 #include "linalg/reduced/form_bounds.hpp"
 #include "linalg/reduced/reduced_model_parts.hpp"
 #include "mottle/core/error.hpp"
+#include "mottle/core/process_mutex.hpp"
 #include "mottle/core/random.hpp"
 
 namespace mottle::linalg {
@@ -18,6 +19,7 @@ constexpr double k_infinite = std::numeric_limits<double>::infinity();
 /// Quantiles of the normal distribution at the midpoints of 4096 equal probabilities, scaled to unit variance: twelve
 /// random bits choose one.
 const std::vector<double>& normal_quantiles() {
+  const NoFork no_fork;
   static const std::vector<double> quantiles = [] {
     constexpr int k_parts = 1 << 12;
     std::vector<double> result(k_parts);

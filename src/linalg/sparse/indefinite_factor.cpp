@@ -17,7 +17,7 @@ constexpr int k_communicator = -987654;  // MUMPS' own number for "the world"
 
 /// MUMPS keeps state in Fortran modules: one call at a time in a process.
 ProcessMutex& one_at_a_time() {
-  static ProcessMutex mutex;
+  static constinit ProcessMutex mutex;
   return mutex;
 }
 

@@ -120,7 +120,7 @@ std::vector<int> dissect(BlockGraph graph) {
 }  // namespace
 
 ProcessMutex& one_order_at_a_time() {
-  static ProcessMutex mutex;
+  static constinit ProcessMutex mutex;
   return mutex;
 }
 

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mottle/core/process_mutex.hpp"
 #include "mottle/stats/sampling/gaussian_rules.hpp"
 
 namespace mottle::stats {
 namespace {
 
 const GaussianRule& rule() {
+  const NoFork no_fork;
   static const GaussianRule result = hermite_rule(40);
   return result;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/process_mutex.hpp"
 #include "stats/openturns/openturns.hpp"
 
 namespace mottle::stats {
@@ -79,6 +80,7 @@ fs::path find_openturns_module(const std::vector<fs::path>& folders) {
 }
 
 const OpenTurns& openturns() {
+  const NoFork no_fork;
   static const OpenTurns& object = load_module();
   return object;
 }

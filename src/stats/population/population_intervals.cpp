@@ -8,6 +8,7 @@
 #include <map>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/process_mutex.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/moments/quantiles.hpp"
 #include "mottle/stats/sampling/sampling.hpp"
@@ -24,6 +25,7 @@ constexpr double k_min_degrees_of_freedom = 1.2;        // the Bartlett decompos
 class Draws {
  public:
   static const Eigen::ArrayXd& normal() {
+    const NoFork no_fork;
     static const Eigen::ArrayXd deviates =
         uniforms().col(2).unaryExpr([](double u) { return standard_normal_quantile(u); }).array();
     return deviates;
@@ -43,6 +45,7 @@ class Draws {
  private:
   static const Eigen::MatrixXd& uniforms() {
     constexpr Eigen::Index k_count = 2048;
+    const NoFork no_fork;
     static const Eigen::MatrixXd design =
         uniform_design(SamplingDesign::sobol, k_count, 3 + k_max_levels, {.purpose = StreamPurpose::bootstrap});
     return design;

@@ -96,7 +96,7 @@ UnivariateReference make_reference(Eigen::Index size) {
 
 double henze_zirkler_probability(double statistic, Eigen::Index specimens, Eigen::Index variables) {
   constexpr Eigen::Index k_samples = 999;
-  static ProcessMutex mutex;
+  static constinit ProcessMutex mutex;
   static std::map<std::pair<Eigen::Index, Eigen::Index>, std::vector<double>> kept;
   const std::lock_guard lock(mutex);
   std::vector<double>& reference = kept[{specimens, variables}];
@@ -177,7 +177,7 @@ NormalityStatistics normality_statistics(const Eigen::Ref<const Eigen::VectorXd>
 }
 
 NormalityProbabilities normality_probabilities(const NormalityStatistics& statistics, Eigen::Index size) {
-  static ProcessMutex mutex;
+  static constinit ProcessMutex mutex;
   static std::map<Eigen::Index, UnivariateReference> kept;
   const std::lock_guard lock(mutex);
   auto found = kept.find(size);

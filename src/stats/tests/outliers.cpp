@@ -102,7 +102,7 @@ Group judge_by_simulation(const std::vector<ForwardStep>& steps, Eigen::MatrixXd
 
 /// The reference of complete samples depends on their size alone: it is kept.
 Group find_group(const CompleteSample& sample, const Eigen::MatrixXd& axes, double level) {
-  static ProcessMutex mutex;
+  static constinit ProcessMutex mutex;
   static std::map<std::array<Eigen::Index, 3>, Eigen::MatrixXd> kept;
   const Eigen::Index specimens = sample.size();
   const Eigen::Index effects = sample.effects();
