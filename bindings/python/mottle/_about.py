@@ -27,7 +27,7 @@ def warn_of_outdated_kernels() -> None:
     if _engine.are_blas_kernels_outdated():
         warnings.warn(
             "OpenBLAS does not know this processor and uses its oldest kernels, several times slower than they could be: "
-            "another thread was computing while mottle was imported. Import mottle before, or "
+            "another thread was computing, or was not seen to sleep, while mottle was imported. Import mottle before, or "
             "set OPENBLAS_CORETYPE=HASWELL before Python starts.",
             RuntimeWarning,
             stacklevel=3,

@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -37,32 +39,39 @@ const char* best_kernels() {
   return nullptr;
 }
 
-/// Whether the thread of this number, of this process, sleeps; false where that cannot be read.
-bool is_asleep(const std::string& thread) {
-  std::ifstream file("/proc/self/task/" + thread + "/stat");
-  std::string line;
-  std::getline(file, line);
-  const std::size_t name_end = line.rfind(')');  // "number (name) state ...", whatever the name holds
-  return name_end != std::string::npos && line.compare(name_end, 4, ") S ") == 0;
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-/// Whether no other thread of the process is running, or about to: in the middle of a product at least one is.
-bool do_others_sleep() {
+/// Where all other threads sleep, and how often each has begun to; nothing where one does not sleep in a call of the
+/// system. In the middle of a product a thread runs, or waits for memory, which no call asks for.
+std::optional<std::string> sleep_of_others() {
   const std::string self = std::to_string(::gettid());
+  std::string sleep;
   std::error_code error;
   for (std::filesystem::directory_iterator task("/proc/self/task", error), end; !error && task != end;
        task.increment(error)) {
-    const std::string thread = task->path().filename().string();
-    if (thread != self && !is_asleep(thread)) return false;
+    if (task->path().filename() == self) continue;
+    const std::string call = text_of(task->path() / "syscall");  // its number and arguments, "running" or "-1"
+    if (call.empty() || call[0] < '0' || call[0] > '9') return std::nullopt;
+    const std::string status = text_of(task->path() / "status");
+    const std::size_t switches = status.find("voluntary_ctxt_switches");
+    if (switches == std::string::npos) return std::nullopt;
+    sleep += task->path().filename().string() + ' ' + call + status.substr(switches);
   }
-  return !error;
+  return error ? std::nullopt : std::optional(sleep);
 }
 
-/// Waits until all other threads sleep; false where that takes too long (those of OpenBLAS wait for work awake).
+/// Waits until all other threads sleep, and have slept from one look to the next; false where that takes too long
+/// (those of OpenBLAS wait for work awake).
 bool wait_for_others_to_sleep() {
   constexpr int k_attempts = 200;
+  std::optional<std::string> before;
   for (int attempt = 0; attempt < k_attempts; ++attempt) {
-    if (do_others_sleep()) return true;
+    const std::optional<std::string> now = sleep_of_others();
+    if (now && now == before) return true;
+    before = now;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   return false;
