@@ -161,4 +161,7 @@ def main():
     MOTTLE = str(pathlib.Path(sys.argv.pop(1)).resolve())
     if len(sys.argv) > 1 and os.path.sep in sys.argv[1]:
         os.environ["MOTTLE_OTHER"] = sys.argv.pop(1)
-    unittest.main(module="__main__")
+    result = unittest.main(module="__main__", exit=False).result
+    if result.wasSuccessful() and result.skipped and len(result.skipped) >= result.testsRun:
+        sys.exit(77)  # nothing was tested: CTest says so
+    sys.exit(0 if result.wasSuccessful() else 1)
