@@ -41,13 +41,21 @@ def anywhere(text):
     return text.replace(str(ROOT).encode(), b".")
 
 
-@functools.cache
-def digest_of(file):
+def digest_now(file):
     """None where there is no such file."""
     try:
         return hashlib.sha256(anywhere(pathlib.Path(file).read_bytes())).hexdigest()
     except OSError:
         return None
+
+
+digest_of = functools.cache(digest_now)  # before the first group is read
+
+
+def listed_files(make_rule):
+    """Files that a rule of make names, which writes blanks, # and $ its own way."""
+    words = re.findall(r"(?:\\.|\S)+", make_rule.replace("\\\n", " ").split(": ", 1)[1])
+    return [re.sub(r"\\(.)", r"\1", word).replace("$$", "$") for word in words]
 
 
 @functools.cache
@@ -76,16 +84,21 @@ class Memory:
 
         return any(all(now(file) == digest for file, digest in state.items()) for state in self.states())
 
-    def keep(self):
-        """The compiler lists what a group includes; where it cannot, the group is read again next time."""
+    def state(self):
+        """{file: digest} of what the compiler says that the group includes; empty where it cannot say, or a file is missing."""
         command = shlex.split(self.entry["command"])
         listing = command[:command.index("-o")] + ["-M", self.entry["file"]]
         done = subprocess.run(listing, cwd=self.entry["directory"], capture_output=True, text=True)
         if done.returncode != 0:
-            return
-        files = done.stdout.replace("\\\n", " ").split(":", 1)[1].split()
-        files = [os.path.normpath(os.path.join(self.entry["directory"], file)) for file in files]
+            return {}
+        files = [os.path.normpath(os.path.join(self.entry["directory"], file)) for file in listed_files(done.stdout)]
         state = {os.path.relpath(file, ROOT) if file.startswith(str(ROOT) + os.sep) else file: digest_of(file) for file in files}
+        return state if self.entry["file"] in files and all(state.values()) else {}
+
+    def keep(self, state):
+        """A group whose files have changed since is read again next time."""
+        if not state or any(digest_now(str(ROOT / file)) != digest for file, digest in state.items()):
+            return
         CACHE.mkdir(parents=True, exist_ok=True)
         new = self.path.with_suffix(f".{os.getpid()}")
         new.write_text(json.dumps([state] + self.states()[:KEPT - 1]), encoding="utf-8")
@@ -96,12 +109,16 @@ def check(build, entry):
     """Findings as text, empty where there are none."""
     began = time.monotonic()
     command = ["clang-tidy", "--quiet", f"--config-file={ROOT}/.clang-tidy", "-p", build, entry["file"]]
+    memory = Memory(entry)
+    state = memory.state()
     run = subprocess.run(command, capture_output=True, text=True)
     if run.returncode == 0:
-        Memory(entry).keep()
+        memory.keep(state)
     name = os.path.relpath(entry["file"], build)
     print(f"  {name}: {time.monotonic() - began:.0f} s", flush=True)
-    return (run.stdout or run.stderr) if run.returncode != 0 else ""
+    if run.returncode == 0:
+        return ""
+    return run.stdout or run.stderr or f"{name}: clang-tidy ended with code {run.returncode} and said nothing\n"
 
 
 def main():
