@@ -20,8 +20,10 @@ ctest = ctest --preset $(1) -j $(JOBS) $(CTEST_FLAGS)
 alternatives = $(subst $() ,|,$(strip $(1)))
 long_ones = $(if $(filter ON,$(NIGHTLY)),no_label,nightly)
 # The tests of a build; those that depend on time, load or chance come last and are repeated once before they fail.
-run_tests = $(call ctest,$(1)) --label-exclude "timed|python|$(long_ones)" && \
-  $(call ctest,$(1)) --label-regex timed --label-exclude "python|$(long_ones)" --repeat until-pass:2
+run_tests = $(call both,$(call ctest,$(1)) --label-exclude "timed|python|$(long_ones)",\
+  $(call ctest,$(1)) --label-regex timed --label-exclude "python|$(long_ones)" --repeat until-pass:2)
+# Fails where one of them does; both run, unless the first failure ends all.
+both = $(1)$(if $(findstring stop-on-failure,$(CTEST_FLAGS)), && $(2),; code=$$?; $(2) && exit $$code)
 as_root = $(if $(filter 0,$(shell id -u)),,sudo)
 with_python = -DMOTTLE_BUILD_PYTHON=ON -DPython3_EXECUTABLE=$(PYTHON)
 four_ranks = mpirun -n 4 --oversubscribe --allow-run-as-root
@@ -63,7 +65,7 @@ sanitized_layers = core linalg formats drivers study report
 asan: build
 	$(INSTALL) --test
 	$(call configure,asan) "-DMOTTLE_SANITIZED_LAYERS=$(subst $() ,;,$(sanitized_layers))"
-	$(call build,asan) --target mottle_app --target mottle_fuzz_tests $(foreach layer,$(sanitized_layers),--target mottle_$(layer)_tests)
+	$(call build,asan) --target mottle_app --target mottle_apps_tests --target mottle_fuzz_tests $(foreach layer,$(sanitized_layers),--target mottle_$(layer)_tests)
 	MOTTLE_TEST_PATIENCE=5 $(call ctest,asan) --label-regex "^($(call alternatives,$(sanitized_layers))|apps|attack|fuzz)$$" \
 	  --label-exclude "packaging|browser|timed|mpi|nightly"
 
@@ -91,8 +93,8 @@ python:
 	$(INSTALL) --test --python
 	$(call configure,release) -DMOTTLE_BUILD_TESTS=ON $(with_python)
 	$(call build,release) --target mottle_app --target mottle_python
-	$(call ctest,release) --label-regex "^python$$" --label-exclude "timed|$(long_ones)"
-	$(call ctest,release) --label-regex "^python$$" --label-regex timed --label-exclude "$(long_ones)" --repeat until-pass:2
+	$(call both,$(call ctest,release) --label-regex "^python$$" --label-exclude "timed|$(long_ones)",\
+	  $(call ctest,release) --label-regex "^python$$" --label-regex timed --label-exclude "$(long_ones)" --repeat until-pass:2)
 
 # As asan-all, and the lines of the library that the tests reach (tests, the command and outside headers do not count): one
 # build for both, since that build is most of the cost.

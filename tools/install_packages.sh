@@ -15,7 +15,7 @@ test=(libgtest-dev libgmock-dev python3:python3 chromium:chromium calculix-ccx:c
       libopenmpi-dev openmpi-bin)
 deb=(dpkg-dev file help2man:help2man)
 ci=(clang-format:clang-format clang-tidy:clang-tidy gcovr:gcovr ccache:ccache slurm-wlm munge)
-clang=(clang:clang++)
+clang=(clang:clang++ libbenchmark-dev)
 python=(pybind11-dev python3-dev python3-numpy python3-scipy python3-pandas python3-xarray python3-matplotlib
         python3-statsmodels python3-pytest python3-nbclient python3-nbconvert python3-ipykernel mypy:mypy)
 bench=(libbenchmark-dev libspectra-dev octave python3:python3 python3-numpy python3-scipy python3-openturns python3-sklearn
