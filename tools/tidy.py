@@ -49,7 +49,7 @@ def digest_now(file):
         return None
 
 
-digest_of = functools.cache(digest_now)  # before the first group is read
+digest_of = functools.cache(digest_now)  # as the file was when it was first asked for
 
 
 def listed_files(make_rule):

@@ -5,8 +5,8 @@
 namespace mottle {
 namespace {
 
-// Threads during which nothing forks hold it as readers, a thread that forks as the writer. Writers come first, so that
-// a fork waits for those who hold it, and not for those who come after.
+// Held by readers while they need that nobody forks, by the thread that forks as the writer. Writers come first: a fork
+// waits for those who hold it, and not for those who come after.
 constexpr pthread_rwlock_t k_free = PTHREAD_RWLOCK_WRITER_NONRECURSIVE_INITIALIZER_NP;
 constinit pthread_rwlock_t gate = k_free;
 constinit thread_local int depth = 0;  // how many of these this thread holds; the outermost one is the reader
@@ -28,7 +28,7 @@ void after_fork() {
   if (depth == 0) ::pthread_rwlock_unlock(&gate);
 }
 
-/// The lock knows its writer by a number that is another one here.
+/// The lock remembers its writer by the thread's number, which is another one in the forked process: it is made anew.
 void begin_process() {
   gate = k_free;
   if (depth > 0) ::pthread_rwlock_rdlock(&gate);

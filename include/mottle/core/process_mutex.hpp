@@ -9,7 +9,7 @@
 namespace mottle {
 
 /// No other thread forks while one of these lives. It goes before a function's static object that takes long to make:
-/// a thread that forks and the process that it makes could wait for one another there.
+/// a process that is forked meanwhile would wait there for ever, for a thread that it does not have.
 class NoFork {
  public:
   NoFork();
@@ -18,7 +18,7 @@ class NoFork {
   NoFork& operator=(const NoFork&) = delete;
 };
 
-/// A mutex for static objects, during which nothing forks.
+/// A mutex for static objects; no other thread forks while it is held.
 class ProcessMutex {
  public:
   constexpr ProcessMutex() = default;

@@ -45,7 +45,7 @@ std::string text_of(const std::filesystem::path& file) {
 }
 
 /// Where all other threads sleep, and how often each has begun to; nothing where one does not sleep in a call of the
-/// system. In the middle of a product a thread runs, or waits for memory, which no call asks for.
+/// system. In the middle of a product a thread runs, or waits for a page of memory outside of any call.
 std::optional<std::string> sleep_of_others() {
   const std::string self = std::to_string(::gettid());
   std::string sleep;
