@@ -16,6 +16,7 @@
 #include <openturns/MaternModel.hxx>
 #include <openturns/OrthogonalProductPolynomialFactory.hxx>
 #include <openturns/SobolSequence.hxx>
+#include <openturns/TBB.hxx>
 #include <openturns/Uniform.hxx>
 #include <utility>
 #include <vector>
@@ -171,6 +172,7 @@ const int mottle_openturns_version = mottle::stats::k_openturns_version;
 __attribute__((visibility("default"))) const mottle::stats::OpenTurns* mottle_openturns();
 const mottle::stats::OpenTurns* mottle_openturns() {
   static const mottle::stats::OpenTurnsModule module;
+  OT::TBB::Disable();  // its threads would not be there in a forked process
   return &module;
 }
 }

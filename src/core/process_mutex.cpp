@@ -45,13 +45,26 @@ NoFork::~NoFork() {
   leave();
 }
 
-void ProcessMutex::lock() {
+void NoFork::begin() {
   enter();
-  mutex_.lock();
+}
+void NoFork::end() {
+  leave();
+}
+
+void ProcessMutex::lock() {
+  // A fork waits for the thread that has it and not for those that queue for it.
+  while (true) {
+    enter();
+    if (is_held_.exchange(1, std::memory_order_acquire) == 0) return;
+    leave();
+    is_held_.wait(1);
+  }
 }
 
 void ProcessMutex::unlock() {
-  mutex_.unlock();
+  is_held_.store(0, std::memory_order_release);
+  is_held_.notify_one();
   leave();
 }
 

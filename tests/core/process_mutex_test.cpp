@@ -83,6 +83,24 @@ TEST(ProcessMutex, HeldByOtherThreadsInTurnWithoutAPauseLetsForksThrough) {
   for (int fork = 0; fork < 100; ++fork) ASSERT_EQ(code_of_child([] { return 0; }), 0) << "fork " << fork;
 }
 
+TEST(ProcessMutex, KeepsAForkWaitingForThoseThatHaveItAndNotForThoseThatQueue) {
+  std::atomic<int> turns = 0;
+  const Busy busy(8, [&] {
+    const std::lock_guard lock(first);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    ++turns;
+  });
+  for (int fork = 0; fork < 10; ++fork) {
+    const int before = turns;
+    ASSERT_EQ(code_of_child([] {
+                ::_exit(0);
+                return 0;
+              }),
+              0);
+    EXPECT_LE(turns - before, 5) << "of eight that hold it in turn";  // one or two, and those after the fork
+  }
+}
+
 TEST(ProcessMutex, HeldByTheThreadThatForksIsHeldByItInTheForkedProcessToo) {
   const Busy busy(1, [&] { const std::lock_guard lock(second); });
   first.lock();

@@ -63,6 +63,30 @@ def test_the_process_ends_quietly(job, tmp_path):
     assert time.monotonic() - begin < 30 * patience  # five seconds for a job that does not stop
 
 
+@pytest.mark.parametrize("is_forked", [False, True])
+def test_what_is_begun_after_the_end_is_refused(is_forked):
+    """A function that was registered before the import runs after Mottle's own end."""
+    script = f"""
+import atexit, os, sys
+def last():
+    child = os.fork() if {is_forked} else 0
+    if child:
+        os.waitpid(child, 0)
+        return
+    try:
+        update(frequencies)
+    except RuntimeError as error:
+        print(error)
+atexit.register(last)
+sys.path[:0] = [os.environ["MOTTLE_PYTHON"], os.environ["MOTTLE_TESTS"]]
+from test_functions import frequencies, update
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=60,
+                          env={**os.environ, "MOTTLE_TESTS": str(Path(__file__).parent)})
+    said = "" if is_forked else "Python is ending, and Mottle has ended: nothing more is computed\n"
+    assert (done.returncode, done.stdout, done.stderr) == (0, said, "")
+
+
 def test_the_main_thread_may_work_at_exit():
     script = """
 import atexit, os, sys

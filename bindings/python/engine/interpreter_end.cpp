@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 
 #include "mottle/core/process_mutex.hpp"
@@ -40,6 +41,7 @@ void count_own_jobs(State& s) {
   if (s.process == getpid()) return;
   s.process = getpid();
   s.jobs = s.returning = 0;
+  s.is_ending = s.waits_no_longer = false;
 }
 
 /// A job that did not stop still uses static objects of the libraries: none is destroyed under it.
@@ -67,8 +69,10 @@ void stop_jobs_at_interpreter_end() {
 }
 
 bool is_interpreter_ending() {
-  const std::lock_guard lock(state().mutex);
-  return state().is_ending;
+  State& s = state();
+  const std::lock_guard lock(s.mutex);
+  count_own_jobs(s);
+  return s.is_ending;
 }
 
 void sleep_for_ever() {
@@ -79,6 +83,7 @@ AwaitedJob::AwaitedJob() {
   State& s = state();
   const std::lock_guard lock(s.mutex);
   count_own_jobs(s);
+  if (s.waits_no_longer) throw std::runtime_error("Python is ending, and Mottle has ended: nothing more is computed");
   ++s.jobs;
 }
 

@@ -34,7 +34,14 @@ Hdf5Handle open_in_memory(std::string_view bytes) {
                                            &lent};
   H5Pset_file_image_callbacks(access, &callbacks);
   H5Pset_file_image(access, lent.bytes, bytes.size());
-  return {H5Fopen("/dev/null/in-memory", H5F_ACC_RDONLY, access), H5Fclose};  // a name that no file can have
+  // A name that no file can have, and no other one had: the library takes two files of one name for one.
+  static std::uint64_t opened = 0;
+  return {H5Fopen(fmt::format("/dev/null/in-memory-{}", ++opened).c_str(), H5F_ACC_RDONLY, access), H5Fclose};
+}
+
+ProcessMutex& library_mutex() {
+  static constinit ProcessMutex mutex;
+  return mutex;
 }
 
 herr_t note_other_file(const char*, const char*, const char* file, const char*, unsigned*, hid_t, void* noted) {
@@ -70,7 +77,8 @@ std::uint64_t bounded_product(const std::vector<hsize_t>& extents, std::uint64_t
 }  // namespace
 
 Hdf5File::Hdf5File(std::string_view bytes, std::string name)
-    : name_(std::move(name)),
+    : lock_(library_mutex()),
+      name_(std::move(name)),
       size_(bytes.size()),
       link_access_(access_within(H5P_LINK_ACCESS, &other_file_)),
       dataset_access_(access_within(H5P_DATASET_ACCESS, &other_file_)),

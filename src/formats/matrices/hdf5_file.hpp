@@ -5,11 +5,13 @@
 #include <hdf5.h>
 
 #include <cstdint>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "mottle/core/process_mutex.hpp"
 #include "mottle/layers.hpp"
 
 namespace mottle::formats {
@@ -44,6 +46,8 @@ struct Hdf5Dataset {
   bool holds_real_numbers() const { return type == H5T_INTEGER || type == H5T_FLOAT; }
 };
 
+/// One at a time in a process, since the library has a lock of its own, which a forked process would wait for: another
+/// thread waits until this one's object has gone out of use, and this thread must not open a second.
 class Hdf5File {
  public:
   /// @param bytes  the file; they outlive this object
@@ -78,6 +82,7 @@ class Hdf5File {
   void read_into(const Hdf5Dataset& set, hid_t memory_type, hid_t memory, hid_t selection, void* values) const;
   void refuse_other_files() const;
 
+  std::unique_lock<ProcessMutex> lock_;
   std::string name_;
   std::uint64_t size_;
   mutable std::string other_file_ = {};  ///< that an external link names; noted by the library's call

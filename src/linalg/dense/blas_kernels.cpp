@@ -2,7 +2,6 @@
 
 #include <dlfcn.h>
 #include <strings.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -47,9 +46,11 @@ std::string text_of(const std::filesystem::path& file) {
 /// Where all other threads sleep, and how often each has begun to; nothing where one does not sleep in a call of the
 /// system. In the middle of a product a thread runs, or waits for a page of memory outside of any call.
 std::optional<std::string> sleep_of_others() {
-  const std::string self = std::to_string(::gettid());
-  std::string sleep;
   std::error_code error;
+  // By the numbers of this /proc, which may be that of an outer name space of processes.
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/thread-self", error).filename();
+  if (error) return std::nullopt;
+  std::string sleep;
   for (std::filesystem::directory_iterator task("/proc/self/task", error), end; !error && task != end;
        task.increment(error)) {
     if (task->path().filename() == self) continue;
@@ -57,7 +58,7 @@ std::optional<std::string> sleep_of_others() {
     if (call.empty() || call[0] < '0' || call[0] > '9') return std::nullopt;
     const std::string status = text_of(task->path() / "status");
     const std::size_t switches = status.find("voluntary_ctxt_switches");
-    if (switches == std::string::npos) return std::nullopt;
+    if (switches == std::string::npos || text_of(task->path() / "syscall") != call) return std::nullopt;
     sleep += task->path().filename().string() + ' ' + call + status.substr(switches);
   }
   return error ? std::nullopt : std::optional(sleep);

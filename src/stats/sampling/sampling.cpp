@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/process_mutex.hpp"
 #include "stats/openturns/openturns.hpp"
 
 namespace mottle::stats {
@@ -72,6 +73,7 @@ Eigen::MatrixXd sobol_design(Eigen::Index samples, Eigen::Index dimension, const
   }
   Eigen::MatrixXd uniforms(samples, dimension);
   uniforms.row(0) = shift.transpose();  // OpenTURNS leaves out the origin, without which 2^m points are no net
+  const NoFork alone;                   // since OpenTURNS has locks of its own
   openturns().fill_with_sobol_points(uniforms.bottomRows(samples - 1));
   for (Eigen::Index s = 1; s < samples; ++s) {
     for (Eigen::Index j = 0; j < dimension; ++j) {

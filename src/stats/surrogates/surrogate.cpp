@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mottle/core/error.hpp"
+#include "mottle/core/process_mutex.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/linalg/one_thread.hpp"
 #include "stats/openturns/openturns.hpp"
@@ -40,14 +41,9 @@ class QuadraticFit final : public Surrogate::Fit {
 
 std::shared_ptr<const Surrogate::Fit> make_fit(SurrogateKind kind, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
                                                const Surrogate::Fit* whole) {
-  switch (kind) {
-    case SurrogateKind::quadratic:
-      return std::make_shared<QuadraticFit>(x, y);
-    case SurrogateKind::kriging:
-      return openturns().kriging(x, y, whole);
-    case SurrogateKind::chaos:
-      break;
-  }
+  if (kind == SurrogateKind::quadratic) return std::make_shared<QuadraticFit>(x, y);
+  const NoFork alone;  // since OpenTURNS has locks of its own
+  if (kind == SurrogateKind::kriging) return openturns().kriging(x, y, whole);
   return openturns().chaos(x, y);
 }
 
@@ -92,6 +88,7 @@ Eigen::MatrixXd Surrogate::scaled(const Eigen::Ref<const Eigen::MatrixXd>& input
 
 Eigen::MatrixXd Surrogate::operator()(const Eigen::Ref<const Eigen::MatrixXd>& inputs) const {
   if (inputs.rows() == 0) return {0, output_scale_.size()};
+  const NoFork alone;
   const Eigen::MatrixXd y = fit_->at(scaled(inputs)) * output_scale_.asDiagonal();
   return y.rowwise() + output_centre_;
 }

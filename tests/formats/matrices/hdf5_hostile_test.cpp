@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
+#include <atomic>
 #include <fstream>
 #include <limits>
 #include <map>
+#include <thread>
 
 #include "core/message_of.hpp"
 #include "core/temporary_folder.hpp"
@@ -80,6 +82,22 @@ class HostileHdf5 : public ::testing::Test {
 
   test::TemporaryFolder folder_;
 };
+
+TEST_F(HostileHdf5, TwoThreadsReadEachItsOwnFile) {
+  write_square("a.h5", 2, H5Pcreate(H5P_DATASET_CREATE));
+  write_square("b.h5", 3, H5Pcreate(H5P_DATASET_CREATE));
+  std::atomic<int> wrong = 0;
+  const auto read = [&](const std::string& name, Eigen::Index size) {
+    for (int k = 0; k < 200; ++k) {
+      if (read_symmetric_matrix((folder_ / name).string() + "#K").matrix.rows() != size) ++wrong;
+    }
+  };
+  {
+    const std::jthread other([&] { read("b.h5", 3); });
+    read("a.h5", 2);
+  }
+  EXPECT_EQ(wrong, 0);
+}
 
 TEST_F(HostileHdf5, ExternalLinksAreNotFollowed) {
   write_square("dense.h5", 1, H5Pcreate(H5P_DATASET_CREATE));
