@@ -117,19 +117,18 @@ class AnySolverTest(support.CommandTest):
     def test_no_runs_are_spent_on_other_minima_unasked(self):
         for method in ("deterministic", "maximum-likelihood"):
             out = self.succeed("check", "study.toml", "--set", f'update.method="{method}"').out
-            self.assertIn("starts = 0", out)
-            self.assertIn("Other minima are not searched for", " ".join(out.split()))
+            self.assertIn("Other solutions are not searched for", " ".join(out.split()))
         chosen = ["--quiet", "--set", 'update.method="deterministic"', "--set", "update.iterations=20"]
         self.log.unlink()
         self.succeed("update", "study.toml", "--out", "a", *chosen)
         unasked = len(self.runs())
         self.assertLess(unasked, 2 * 16 + 50, "two clouds, and few derivatives")
         result = read_result(self.folder / "a")
-        self.assertTrue(any("Other minima" in note for note in result["notes"]))
+        self.assertTrue(any("Other solutions" in note for note in result["notes"]))
         self.assertFalse([step for step in result["verdict"]["next"] if "diagnose" in step["command"]], "it refuses such models")
-        self.succeed("update", "study.toml", "--out", "b", *chosen, "--set", "update.deterministic.starts=8")
+        self.succeed("update", "study.toml", "--out", "b", *chosen, "--set", "update.starts=8")
         self.assertGreater(len(self.runs()), unasked + 8)
-        self.assertFalse(any("Other minima" in note for note in read_result(self.folder / "b")["notes"]))
+        self.assertFalse(any("Other solutions" in note for note in read_result(self.folder / "b")["notes"]))
 
     def test_threads_and_parallel_change_no_number(self):
         self.succeed("propagate", "study.toml", "--out", "a", "--quiet", "--threads", "1")

@@ -287,7 +287,7 @@ class NastranTest(support.CommandTest):
     def test_the_airframe_is_updated_by_its_reduced_model(self):
         """Eight parameters, consistent masses, inclined shells: hardly a sample is left to full solutions."""
         study = support.SOURCE / "examples" / "02-airframe" / "study.toml"
-        self.succeed("update", study, "--out", "out", "--quiet", "--set", "update.maximum-likelihood.starts=0")
+        self.succeed("update", study, "--out", "out", "--quiet", "--set", "update.starts=0")
         result = read_result(self.folder / "out")
         self.assertEqual(result["status"], "converged")
         self.assertLess(20 * result["reduction"]["exact_samples"], result["model_evaluations"])

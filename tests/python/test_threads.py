@@ -18,7 +18,6 @@ LEAST = {
     "abc": {"simulations": 2000, "calibration_sets": 100},
     "bayes": {"particles": 100},
     "hierarchical": {"particles": 100, "decorrelation": 0.9},
-    "maximum-likelihood": {"starts": 1},
     "mixture": {"bootstrap_samples": 99, "starts": 1},
 }
 

@@ -93,7 +93,7 @@ void replicate(Eigen::Index specimens, std::uint32_t number, const std::string& 
                                                             : AbcOptions::Distance::sliced_wasserstein};
   const RunContext context{.seed = number};
   const UpdatingResult own = AbcUpdater(options).update(problem, context);
-  const UpdatingResult peer = MaximumLikelihoodUpdater({.starts = 0}).update(problem, context);
+  const UpdatingResult peer = MaximumLikelihoodUpdater({}).update(problem, context);
   const AbcFindings& found = *own.abc;
   fmt::print(
       "{{\"abc\": {{{}, \"coverage\": [{}], \"factor\": [{}], \"checked\": {}, \"fraction\": {}, \"effective\": {}, "

@@ -152,8 +152,7 @@ int main(int argc, char** argv) {
   using Intervals = MaximumLikelihoodOptions::Intervals;
   const bool is_analytic = argc > 8 && std::string(argv[8]) == "analytic";
   const MaximumLikelihoodOptions options{.intervals = is_analytic ? Intervals::analytic : Intervals::bootstrap,
-                                         .bootstrap_samples = std::stoi(argv[6]),
-                                         .starts = 0};
+                                         .bootstrap_samples = std::stoi(argv[6])};
   const Bench bench(settings);
   std::vector<Counts> counts(static_cast<std::size_t>(std::stoi(argv[5])));
   const auto start = std::chrono::steady_clock::now();

@@ -74,21 +74,24 @@ function columns_for(rows, updated_std) {
 
 /** Further solutions of the update, one row each. */
 function other_solutions(study) {
-  const others = list(study.result.other_solutions).map(list);
+  const others = list(study.result.other_solutions).map(record);
   if (!others.length) return null;
-  const rows = others.map((values, k) => ({
+  const rows = others.map(({ mean, weight }, k) => ({
     name: `Solution ${k + 2}`,
-    ...Object.fromEntries(study.parameter_axes.map(({ index }) => [`p${index}`, number_or_null(values[index])])),
+    weight: is_number(weight) ? 100 * weight : null,
+    ...Object.fromEntries(study.parameter_axes.map(({ index }) => [`p${index}`, number_or_null(list(mean)[index])])),
   }));
   return data_table({
     id: "other-solutions",
-    title: "Other parameters that explain the mean of the tests equally well",
+    title: "Other parameters that explain the tests as well",
     columns: [
       { key: "name", title: "", is_text: true },
+      { key: "weight", title: "Probability", unit: "%" },
       ...study.parameter_axes.map(({ index, name, unit }) => ({ key: `p${index}`, title: name, unit })),
     ],
     rows,
-    caption: "The tests do not distinguish these from the estimate above: measure outputs that do, or narrow the bounds.",
+    caption:
+      "Means of the parameters. The probabilities, with that of the estimate above, are the likelihood of the tests times the prior's density. Measure outputs that differ between the solutions, or narrow the prior or the bounds.",
   });
 }
 

@@ -184,7 +184,9 @@ export function in_readable_units(data) {
       iterations: Array.isArray(result.iterations) ? iterations : result.iterations,
       specimens,
       parameters: convert_parameters(block, units, factors),
-      other_solutions: by_parameter(result.other_solutions, factors),
+      other_solutions: Array.isArray(result.other_solutions)
+        ? result.other_solutions.map((other) => ({ ...record(other), mean: by_parameter([record(other).mean], factors)[0] }))
+        : result.other_solutions,
       modes: Array.isArray(result.modes)
         ? result.modes.map((mode) => ({ ...record(mode), mean: by_parameter([record(mode).mean], factors)[0] }))
         : result.modes,

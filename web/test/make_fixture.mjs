@@ -300,7 +300,7 @@ function sparse(data) {
     residuals: [[0.4, null, -3.2], [1.1, -0.3, 0.8], null],
   };
   result.outliers = [];
-  result.other_solutions = [[1.4, null, 0.7]];
+  result.other_solutions = [{ mean: [1.4, null, 0.7], std: null, mean_ci95: null, weight: 0.3 }];
   result.prediction = {
     names: ["f4", "f5"],
     units: null,

@@ -106,6 +106,8 @@ StudyUpdate read_update(TomlReader reader) {
       reader.number_or("tolerance", update.tolerance, {.lower = 0.0, .upper = 1.0, .excludes_lower = true});
   update.level = reader.number_or("level", update.level, {.lower = 1e-6, .upper = 0.5});
   update.max_failed = reader.number_or("max_failed", update.max_failed, {.lower = 0.0, .upper = 1.0});
+  if (reader.has("starts"))
+    update.starts = static_cast<int>(reader.integer_or("starts", 0, {.lower = 0.0, .upper = 100000.0}));
   read_covariance(reader, update);
   for (const MethodEntry& method : updating_methods()) {
     if (!reader.has(method.name)) {
@@ -113,6 +115,7 @@ StudyUpdate read_update(TomlReader reader) {
       continue;
     }
     TomlReader options = reader.table(method.name);
+    if (options.has("starts") && method.name != "mixture") options.fail("starts", "it is update.starts now");
     update.method_options[method.name] = options.option_values();
     for (const auto& option : update.method_options[method.name]) method.make({option}, options.where_of(option.first));
   }

@@ -29,19 +29,10 @@ class UnusedModel final : public Model {
   const Model& model_;
 };
 
-/// What the method does not do unasked where each of its evaluations is a run of a program: to search for other minima
-/// costs more runs than the update.
-OptionValues presets_of_runs(const Study& study, const StudyModel& made, std::vector<std::string>& notes) {
-  const auto& options = find_method(study.update.method).options;
-  const bool has_starts = std::ranges::find(options, "starts", &OptionDescription::name) != options.end();
-  const auto given = study.update.method_options.find(study.update.method);
-  const bool states_starts = given != study.update.method_options.end() && given->second.contains("starts");
-  if (!made.program || study.surrogate || !has_starts || states_starts) return {};
-  notes.push_back(fmt::format(
-      "Other minima are not searched for, since each evaluation is a run of the program: whether other parameters "
-      "explain the tests as well is not known. update.{}.starts states from how many points to search.",
-      study.update.method));
-  return {{"starts", std::int64_t{0}}};
+/// Whether solutions are not searched for unasked: where each evaluation is a run of a program, that would cost more
+/// runs than the update.
+bool leaves_out_search(const Study& study, const StudyModel& made) {
+  return made.program && !study.surrogate && !study.update.starts;
 }
 
 }  // namespace
@@ -75,7 +66,14 @@ UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
   StudyTests tests = read_tests(study, *made.model);
   refuse_unit_errors(study, made, tests);
   std::vector<int> groups = covariance_groups(study, made.space->names());
-  std::unique_ptr<Updater> method = make_method(study, presets_of_runs(study, made, tests.notes));
+  std::unique_ptr<Updater> method = make_method(study);
+  if (leaves_out_search(study, made)) {
+    tests.notes.emplace_back(
+        "Other solutions are not searched for, since each evaluation is a run of the program: the estimate may be a "
+        "local "
+        "minimum, and whether other parameters explain the tests as well is not known. update.starts states from how "
+        "many points to search; with a surrogate ([surrogate]) the search costs no runs.");
+  }
   UpdatePlan plan{std::move(made), std::move(tests), std::move(method), std::move(groups), std::nullopt};
   if (shows_few_samples(study, plan.made)) {
     plan.tests.notes.push_back(fmt::format(
@@ -114,7 +112,8 @@ UpdatingProblem problem_of(const Study& study, const UpdatePlan& plan, const Mod
           .iterations = study.update.iterations,
           .level = study.update.level,
           .tolerance = study.update.tolerance,
-          .covariance_groups = plan.covariance_groups};
+          .covariance_groups = plan.covariance_groups,
+          .starts = leaves_out_search(study, plan.made) ? 0 : study.update.starts.value_or(k_usual_starts)};
 }
 
 void refuse_what_methods_refuse(const Study& study, const UpdatePlan& plan, const RunContext& context) {

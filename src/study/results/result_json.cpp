@@ -116,10 +116,13 @@ Json specimens_json(const UpdatingResult& result, const TestData& tests) {
 }
 
 Json options_json(const Study& study, const UpdatingProblem& problem, const Updater& method) {
-  Json options = {
-      {"samples", problem.cloud.samples}, {"samples_rule", study.update.has_automatic_samples ? "auto" : "given"},
-      {"iterations", problem.iterations}, {"tolerance", problem.tolerance},
-      {"level", problem.level},           {"max_failed", problem.cloud.max_failed}};
+  Json options = {{"samples", problem.cloud.samples},
+                  {"samples_rule", study.update.has_automatic_samples ? "auto" : "given"},
+                  {"iterations", problem.iterations},
+                  {"tolerance", problem.tolerance},
+                  {"starts", problem.starts},
+                  {"level", problem.level},
+                  {"max_failed", problem.cloud.max_failed}};
   for (const auto& [name, value] : method.options()) {
     std::visit([&options, &name = name](const auto& option) { options[name] = option; }, value);
   }
@@ -279,8 +282,15 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   }
   json["normality"] = result.normality ? normality_json(*result.normality, problem.space.names()) : Json(nullptr);
   json["other_solutions"] = Json::array();
-  for (const Eigen::VectorXd& other : result.other_solutions) json["other_solutions"].push_back(to_json(other));
-  json["better_solution"] = result.better_solution.size() > 0 ? to_json(result.better_solution) : Json(nullptr);
+  for (const OtherSolution& other : result.other_solutions) {
+    json["other_solutions"].push_back(
+        {{"mean", to_json(other.mean)},
+         {"std", other.std.size() > 0 ? to_json(other.std) : Json(nullptr)},
+         {"mean_ci95", other.mean_interval.size() > 0 ? to_json_rows(other.mean_interval) : Json(nullptr)},
+         {"weight", other.weight}});
+  }
+  json["search"] =
+      result.search ? Json({{"starts", result.search->starts}, {"settled", result.search->is_settled}}) : Json(nullptr);
   json["specimens"] = specimens_json(result, problem.tests);
   json["test_ellipses"] = ellipses_json(moments.mean, moments.covariance);
   add_cloud_analysis(json, last.cloud, first.cloud);

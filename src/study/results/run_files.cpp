@@ -59,10 +59,9 @@ std::string tests_csv(const StudyTests& tests, const std::vector<Quantity>& outp
   return format_csv(header, values);
 }
 
-std::unique_ptr<Updater> make_method(const Study& study, const OptionValues& presets) {
+std::unique_ptr<Updater> make_method(const Study& study) {
   const auto given = study.update.method_options.find(study.update.method);
-  OptionValues values = given == study.update.method_options.end() ? OptionValues{} : given->second;
-  values.insert(presets.begin(), presets.end());
+  const OptionValues values = given == study.update.method_options.end() ? OptionValues{} : given->second;
   return find_method(study.update.method)
       .make(values, fmt::format("{}: [update.{}]", study.file.string(), study.update.method));
 }

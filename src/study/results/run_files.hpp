@@ -24,7 +24,7 @@ std::string tests_csv(const StudyTests& tests, const std::vector<Quantity>& outp
 /// Names of parameters, then of outputs.
 std::vector<std::string> column_names(const ParameterSpace& space, const std::vector<Quantity>& outputs);
 
-/// The study's method with its options; `presets` are values of those that the study does not state.
-std::unique_ptr<Updater> make_method(const Study& study, const OptionValues& presets = {});
+/// The study's method with its options.
+std::unique_ptr<Updater> make_method(const Study& study);
 
 }  // namespace mottle::study

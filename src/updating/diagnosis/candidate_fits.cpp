@@ -7,7 +7,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/population_report.hpp"
 

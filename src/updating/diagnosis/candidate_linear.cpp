@@ -4,8 +4,8 @@
 #include <numeric>
 
 #include "updating/diagnosis/candidate_fits.hpp"
-#include "updating/methods/measured_outputs.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/measured_outputs.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 
 namespace mottle::updating {
 namespace {

@@ -9,6 +9,7 @@
 #include "mottle/updating/estimate/sample_estimate.hpp"
 #include "mottle/updating/methods/deterministic.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/regional_problem.hpp"
 #include "updating/methods/bayes_tests.hpp"
 #include "updating/methods/common_likelihood.hpp"
 #include "updating/methods/evidence_about_best.hpp"
@@ -17,7 +18,6 @@
 #include "updating/methods/posterior_target.hpp"
 #include "updating/methods/sampled_result.hpp"
 #include "updating/population/model_error.hpp"
-#include "updating/population/regional_problem.hpp"
 
 namespace mottle::updating {
 namespace {

@@ -4,9 +4,9 @@
 #include <limits>
 
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/matched_moments.hpp"
 #include "updating/methods/mean_limits.hpp"
-#include "updating/methods/scaled_parameters.hpp"
 #include "updating/verdict/test_plan.hpp"
 
 namespace mottle::updating {

@@ -5,7 +5,7 @@
 
 #include "mottle/core/text.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 
 namespace mottle::updating {
 namespace {

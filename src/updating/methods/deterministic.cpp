@@ -8,10 +8,10 @@
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/distance.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/deterministic_tests.hpp"
 #include "updating/methods/least_squares.hpp"
-#include "updating/methods/other_minima.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/methods/least_squares_minima.hpp"
 #include "updating/methods/scatter_curvature.hpp"
 #include "updating/population/model_error.hpp"
 
@@ -126,10 +126,7 @@ const OptionTable<DeterministicOptions>& deterministic_option_table() {
           .number("measurement_error", &D::measurement_error, {.lower = 0.0, .excludes_lower = true},
                   "fraction of the value",
                   "Measurement standard deviation of an output as a fraction of its tested value, used where "
-                  "[test] repeatability does not give it.")
-          .integer("starts", &D::starts, {.lower = 0.0, .upper = 10000.0}, "-",
-                   "Number of starting points, drawn from the prior, of a search for other minima; 0 means none, and "
-                   "is the default where each evaluation is a run of a program.");
+                  "[test] repeatability does not give it.");
   return table;
 }
 
@@ -142,7 +139,7 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
 
   LeastSquaresPoint point;
   auto& [x, y, g] = point;
-  x = problem.space.clamp(setup.start);
+  x = start_at_lowest(problem, setup, context, result);
   const auto at_start = evaluate_one(problem, x, context, result.model_evaluations);
   if (!at_start) throw ModelFailure("the model fails at the parameters' prior means, so there is no starting point");
   y = *at_start;
@@ -175,9 +172,6 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
   if (updates > 0) result.history.pop_back();
   result.history.push_back(std::move(last));
   result.message = ending_message(result.status, updates, problem.tolerance);
-  if (result.status == UpdatingStatus::converged) {
-    find_other_minima(problem, setup, point, options_.starts, context, result);
-  }
   const bool is_of_many = options_.specimen == 0 && problem.tests.values.rows() > 1;
   const Eigen::VectorXd means = is_of_many ? scattered_means(problem, x, g, context, result.model_evaluations) : y;
   test_structure(problem,

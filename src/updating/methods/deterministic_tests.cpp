@@ -7,8 +7,8 @@
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/matched_moments.hpp"
-#include "updating/methods/scaled_parameters.hpp"
 
 namespace mottle::updating {
 namespace {

@@ -11,9 +11,9 @@
 #include "mottle/stats/moments/quantiles.hpp"
 #include "mottle/updating/estimate/population_posterior.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/hierarchical_tests.hpp"
 #include "updating/methods/sampled_result.hpp"
-#include "updating/methods/scaled_parameters.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/population_report.hpp"
 

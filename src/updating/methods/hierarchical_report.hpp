@@ -7,7 +7,7 @@
 #include "mottle/layers.hpp"
 #include "mottle/updating/methods/hierarchical.hpp"
 #include "mottle/updating/methods/iteration.hpp"
-#include "updating/methods/specimen_fit.hpp"
+#include "updating/fits/specimen_fit.hpp"
 #include "updating/population/population_prior.hpp"
 #include "updating/sampling/corrected_posterior.hpp"
 

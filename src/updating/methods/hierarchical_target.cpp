@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "mottle/core/parallel.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 
 namespace mottle::updating {
 namespace {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "mottle/layers.hpp"
+#include "updating/fits/regional_problem.hpp"
 #include "updating/population/linear_specimens.hpp"
 #include "updating/population/population_prior.hpp"
-#include "updating/population/regional_problem.hpp"
 #include "updating/sampling/corrected_posterior.hpp"
 
 namespace mottle::updating {

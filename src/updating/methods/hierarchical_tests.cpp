@@ -2,9 +2,9 @@
 
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/linear_units.hpp"
 #include "updating/methods/mean_limits.hpp"
-#include "updating/methods/scaled_parameters.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/population_report.hpp"
 #include "updating/verdict/scatter_tests.hpp"

@@ -8,13 +8,13 @@
 #include "mottle/core/text.hpp"
 #include "mottle/updating/estimate/box_estimate.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/measured_outputs.hpp"
 #include "updating/methods/box_image.hpp"
 #include "updating/methods/covering_box.hpp"
 #include "updating/methods/interval_notes.hpp"
 #include "updating/methods/interval_targets.hpp"
 #include "updating/methods/interval_tests.hpp"
 #include "updating/methods/inversion_fit.hpp"
-#include "updating/methods/measured_outputs.hpp"
 #include "updating/methods/specimen_bounds.hpp"
 
 namespace mottle::updating {

@@ -8,13 +8,14 @@
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/moments/distance.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/measured_outputs.hpp"
 #include "updating/methods/inversion_fit.hpp"
 #include "updating/methods/least_change.hpp"
 #include "updating/methods/linear_units.hpp"
 #include "updating/methods/matched_moments.hpp"
-#include "updating/methods/measured_outputs.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/normal_theory.hpp"
+#include "updating/verdict/other_solutions.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -78,11 +79,11 @@ IterationRecord record_of(const Setup& setup, const InversionFit& fit) {
 
 /// Where all specimens start: the parameters of the tests' mean, so that all are solved on one branch of the inverse.
 Eigen::VectorXd common_start(const Setup& setup, InversionOptions::Start kind, const RunContext& context,
-                             std::int64_t& evaluations) {
-  Eigen::VectorXd prior = setup.parameters.clamp(setup.parameters.start());
-  if (kind == InversionOptions::Start::prior_mean) return prior;
+                             std::int64_t& evaluations, UpdatingResult& result) {
+  if (kind == InversionOptions::Start::prior_mean) return setup.parameters.clamp(setup.parameters.start());
+  const Eigen::VectorXd start = setup.parameters.clamp(start_at_best(setup.problem, context, evaluations, result).mean);
   const InversionFit fit =
-      invert_specimens(setup.problem, setup.parameters, setup.tests.mean.transpose(), setup.sigma, prior.transpose(),
+      invert_specimens(setup.problem, setup.parameters, setup.tests.mean.transpose(), setup.sigma, start.transpose(),
                        context, [&](const InversionFit&) { return !context.stop_requested(); });
   evaluations += fit.evaluations;
   return fit.points.row(0).transpose();
@@ -237,7 +238,9 @@ UpdatingResult InversionUpdater::update(const UpdatingProblem& problem, const Ru
   UpdatingResult result;
   append_state(result, record_state(problem, setup.tests, problem.space.prior(), 0, context));
   result.model_evaluations = 0;  // counted whole at the end
-  const Eigen::VectorXd start = common_start(setup, options_.start, context, result.model_evaluations);
+  std::int64_t searched = 0;
+  const Eigen::VectorXd start = common_start(setup, options_.start, context, searched, result);
+  result.model_evaluations = searched;
   bool is_stopped = context.stop_requested();
   int iteration = 1;
   begin_iteration(problem, iteration, context);

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "mottle/core/error.hpp"
-#include "updating/methods/batched_search.hpp"
+#include "updating/fits/batched_search.hpp"
+#include "updating/fits/measured_outputs.hpp"
 #include "updating/methods/least_change.hpp"
-#include "updating/methods/measured_outputs.hpp"
 
 namespace mottle::updating {
 namespace {

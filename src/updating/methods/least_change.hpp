@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mottle/layers.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 
 namespace mottle::updating {
 

@@ -2,15 +2,17 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <optional>
 
 #include "mottle/core/subject.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/matched_moments.hpp"
-#include "updating/methods/scaled_parameters.hpp"
 #include "updating/methods/scatter_curvature.hpp"
 #include "updating/population/model_error.hpp"
+#include "updating/verdict/other_solutions.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -103,6 +105,15 @@ Eigen::MatrixXd updated_covariance(const MaresSetup& setup, const IterationRecor
   return covariance;
 }
 
+/// With what the iteration begins instead of the prior, whose mean leads to parameters that explain the tests less
+/// well; nothing: with the prior.
+std::optional<VariableMoments> start_beside_prior(const UpdatingProblem& problem, const RunContext& context,
+                                                  UpdatingResult& result) {
+  const PriorOnScales start = start_at_best(problem, context, result.model_evaluations, result);
+  if (start.mean == prior_on_scales(problem.space).mean) return std::nullopt;
+  return moments_of_variables(problem.space.transforms(), start.mean, start.covariance);
+}
+
 }  // namespace
 
 const OptionTable<MaresOptions>& mares_option_table() {
@@ -139,6 +150,7 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
   std::vector<double> movements;
   result.status = UpdatingStatus::max_iterations;
   append_state(result, record_state(problem, setup.tests, problem.space.prior(), 0, context));
+  const std::optional<VariableMoments> start = start_beside_prior(problem, context, result);
   for (int index = 1; index <= problem.iterations; ++index) {
     if (context.stop_requested()) {
       result.status = UpdatingStatus::stopped;
@@ -146,8 +158,9 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
     }
     const IterationRecord& state = result.history.back();
     const Eigen::MatrixXd g = estimate_sensitivity(state.cloud, options_.regression);
-    const Eigen::VectorXd mean = problem.space.clamp(updated_mean(setup, state, g, options_));
-    const Eigen::MatrixXd covariance = updated_covariance(setup, state, g, options_);
+    const bool is_moved = index == 1 && start;
+    const Eigen::VectorXd mean = problem.space.clamp(is_moved ? start->mean : updated_mean(setup, state, g, options_));
+    const Eigen::MatrixXd covariance = is_moved ? start->covariance : updated_covariance(setup, state, g, options_);
     const double movement =
         largest_movement(prior_std, state.parameter_mean, state.parameter_covariance, mean, covariance);
     append_state(result, record_state(problem, setup.tests, JointDistribution::multivariate_normal(mean, covariance),

@@ -8,11 +8,11 @@
 #include "mottle/core/subject.hpp"
 #include "mottle/stats/moments/distance.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/regional_problem.hpp"
 #include "updating/population/linear_record.hpp"
 #include "updating/population/model_error.hpp"
-#include "updating/population/population_fit.hpp"
 #include "updating/population/population_report.hpp"
-#include "updating/population/regional_problem.hpp"
+#include "updating/population/solved_population.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -46,10 +46,6 @@ const OptionTable<Options>& maximum_likelihood_option_table() {
                                       "from the estimate and updated again.")
           .integer("bootstrap_samples", &Options::bootstrap_samples, {.lower = 100.0, .upper = 100000.0}, "-",
                    "Number of bootstrap samples, each of all specimens, for the intervals.")
-          .integer("starts", &Options::starts, {.lower = 0.0, .upper = 10000.0}, "-",
-                   "Number of starting points, drawn from the prior, of a search for other parameters that explain the "
-                   "tests' mean equally well; 0 means none, and is the default where each evaluation is a run of a "
-                   "program.")
           .number("rank_tolerance", &Options::rank_tolerance, {.lower = 0.0, .upper = 1.0}, "-",
                   "A combination of parameters counts as not identifiable, and keeps its prior mean, if one prior "
                   "standard deviation of it moves the outputs by less than this fraction of the strongest "
@@ -83,15 +79,16 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
     return result;
   }
   begin_iteration(problem, 1, context);
-  const PopulationFit fit =
-      fit_population(problem, problem.tests.values, settings, context, [&](const PopulationFit& now) {
-        append_state(result, linear_record(problem, now, tests));
-        if (context.stop_requested()) result.status = UpdatingStatus::stopped;
-        const bool goes_on = !context.stop_requested() && !now.converged && now.iterations < problem.iterations;
-        if (goes_on) begin_iteration(problem, now.iterations + 1, context);
-        return !context.stop_requested();
-      });
-  result.model_evaluations += fit.evaluations;
+  const auto follow = [&](const PopulationFit& now) {
+    append_state(result, linear_record(problem, now, tests));
+    if (context.stop_requested()) result.status = UpdatingStatus::stopped;
+    const bool goes_on = !context.stop_requested() && !now.converged && now.iterations < problem.iterations;
+    if (goes_on) begin_iteration(problem, now.iterations + 1, context);
+    return !context.stop_requested();
+  };
+  const SolvedPopulation solved =
+      solve_population(problem, settings, result.history.front().cloud, context, follow, result.model_evaluations);
+  const PopulationFit& fit = solved.best();
   if (fit.converged) result.status = UpdatingStatus::converged;
   result.message =
       ending_message(result.status, static_cast<std::size_t>(fit.iterations), problem.tolerance,
@@ -107,7 +104,7 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
   result.model_evaluations += last.cloud.samples.rows();
   result.history.back() = std::move(last);
   context.phase({.name = "intervals and tests of the estimate"});
-  describe_population(problem, fit, settings, options_, context, result);
+  describe_population(problem, solved, options_, context, result);
   return result;
 }
 

@@ -6,12 +6,12 @@
 
 #include "mottle/core/subject.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/regional_problem.hpp"
 #include "updating/methods/mixture_report.hpp"
 #include "updating/population/linear_record.hpp"
 #include "updating/population/mixture_fit.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/population_report.hpp"
-#include "updating/population/regional_problem.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -142,8 +142,8 @@ MaximumLikelihoodOptions one_population(const MixtureOptions& options) {
 
 /// Batches on the first estimate of one population, and what follows from them.
 void find_batches(const UpdatingProblem& problem, const TestMoments& tests, const MixtureOptions& options,
-                  const PopulationFit& one, const PopulationFitSettings& settings, const RunContext& context,
-                  UpdatingResult& result) {
+                  const SolvedPopulation& solved, const RunContext& context, UpdatingResult& result) {
+  const PopulationFit& one = solved.best();
   const RegionalProblem near(problem, one.region);
   MixturePopulationFit fit = begin_mixture(problem, one);
   MixtureSearch search = search_of(problem, one, options, fit.frame);
@@ -161,7 +161,7 @@ void find_batches(const UpdatingProblem& problem, const TestMoments& tests, cons
     result.message =
         ending_message(result.status, result.history.size() - 1, problem.tolerance,
                        {.at_rest = "no mean and no standard deviation of a batch moves", .moving = "the batches"});
-    describe_mixture(near.problem(), tests, one, search, number, context, fit, result);
+    describe_mixture(near.problem(), tests, solved, search, number, context, fit, result);
   } else {
     result.set_estimate(std::make_shared<NormalPopulation>(
         problem.space.transforms(), PopulationOnScales{one.mean, one.covariance, evidence_of(one)},
@@ -170,7 +170,7 @@ void find_batches(const UpdatingProblem& problem, const TestMoments& tests, cons
     result.model_evaluations += last.cloud.samples.rows();
     result.history.back() = std::move(last);
     context.phase({.name = "intervals and tests of the estimate"});
-    describe_population(problem, one, settings, one_population(options), context, result);
+    describe_population(problem, solved, one_population(options), context, result);
     describe_one_batch(problem, search, number, context, fit, result);
   }
 }
@@ -229,14 +229,15 @@ UpdatingResult MixtureUpdater::update(const UpdatingProblem& given, const RunCon
   result.message = "stopped on request before the first iteration";
   if (context.stop_requested()) return result;
   begin_iteration(problem, 1, context);
-  const PopulationFit one =
-      fit_population(problem, problem.tests.values, settings, context, [&](const PopulationFit& now) {
-        append_state(result, linear_record(problem, now, tests));
-        const bool goes_on = !context.stop_requested() && !now.converged && now.iterations < problem.iterations;
-        if (goes_on) begin_iteration(problem, now.iterations + 1, context);
-        return !context.stop_requested();
-      });
-  result.model_evaluations += one.evaluations;
+  const auto follow = [&](const PopulationFit& now) {
+    append_state(result, linear_record(problem, now, tests));
+    const bool goes_on = !context.stop_requested() && !now.converged && now.iterations < problem.iterations;
+    if (goes_on) begin_iteration(problem, now.iterations + 1, context);
+    return !context.stop_requested();
+  };
+  const SolvedPopulation solved =
+      solve_population(problem, settings, result.history.front().cloud, context, follow, result.model_evaluations);
+  const PopulationFit& one = solved.best();
   result.message = "stopped on request before batches were looked for";
   if (context.stop_requested()) return result;
   try {
@@ -245,7 +246,7 @@ UpdatingResult MixtureUpdater::update(const UpdatingProblem& given, const RunCon
     found.message = ending_message(
         found.status, static_cast<std::size_t>(one.iterations), problem.tolerance,
         {.at_rest = "no mean and no standard deviation moves", .moving = "means and standard deviations"});
-    find_batches(problem, tests, options_, one, settings, context, found);
+    find_batches(problem, tests, options_, solved, context, found);
     put_back(order, found);
     return found;
   } catch (const Stopped&) {

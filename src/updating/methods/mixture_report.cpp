@@ -16,7 +16,6 @@ namespace mottle::updating {
 namespace {
 
 constexpr int k_power_samples = 200;  // standard error of a power of 80 %: 2.8 %
-constexpr int k_other_starts = 8;
 
 /// Of the batches; of none where specimens do not differ.
 Batch batch_on_axes(const std::vector<ParameterTransform>& scales, const BatchOnScales& batch) {
@@ -210,9 +209,10 @@ void say_prior(const MixtureSearch& search, const MixtureFindings& findings, Upd
 
 }  // namespace
 
-void describe_mixture(const UpdatingProblem& problem, const TestMoments& tests, const PopulationFit& one,
+void describe_mixture(const UpdatingProblem& problem, const TestMoments& tests, const SolvedPopulation& solved,
                       const MixtureSearch& search, const MixtureNumber& number, const RunContext& context,
                       const MixturePopulationFit& fit, UpdatingResult& result) {
+  const PopulationFit& one = solved.best();
   const std::vector<ParameterTransform> scales = problem.space.transforms();
   MixtureFindings findings{.batches = {},
                            .probabilities = fit.mixture.probabilities,
@@ -252,7 +252,7 @@ void describe_mixture(const UpdatingProblem& problem, const TestMoments& tests, 
         "normality. Specimens of one batch that were tested in two ways look like two batches.");
   }
   if (one.model_error) result.notes.push_back(model_error_note(problem, *one.model_error));
-  result.other_solutions = other_solutions(problem, whole, k_other_starts, context, result.model_evaluations);
+  name_other_solutions(problem, whole, solved.solutions, solved.starts, result);
   test_population(problem, whole, context, result);
   result.mixture = std::make_shared<const MixtureFindings>(std::move(findings));
 }

@@ -6,6 +6,7 @@
 #include "mottle/layers.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/population/mixture_fit.hpp"
+#include "updating/population/solved_population.hpp"
 
 namespace mottle::updating {
 
@@ -20,7 +21,7 @@ struct MixtureNumber {
 /// Puts the estimate of several batches, or of one with outliers, its last cloud, and what follows from it into the
 /// result. The verdict's tests are those of one population of the same moments (population_report.hpp): they look at
 /// what no parameter moves, and at variances, and none of them at the number of batches.
-void describe_mixture(const UpdatingProblem& problem, const TestMoments& tests, const PopulationFit& one,
+void describe_mixture(const UpdatingProblem& problem, const TestMoments& tests, const SolvedPopulation& solved,
                       const MixtureSearch& search, const MixtureNumber& number, const RunContext& context,
                       const MixturePopulationFit& fit, UpdatingResult& result);
 

@@ -2,7 +2,7 @@
 #include <Eigen/Core>
 
 #include "mottle/linalg/dense/decompositions.hpp"
-#include "updating/methods/measured_outputs.hpp"
+#include "updating/fits/measured_outputs.hpp"
 #include "updating/methods/moment_iteration.hpp"
 
 namespace mottle::updating {

@@ -9,10 +9,11 @@
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/moments/distance.hpp"
+#include "updating/fits/measured_outputs.hpp"
 #include "updating/methods/least_change.hpp"
 #include "updating/methods/matched_moments.hpp"
-#include "updating/methods/measured_outputs.hpp"
 #include "updating/population/model_error.hpp"
+#include "updating/verdict/other_solutions.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -207,8 +208,9 @@ UpdatingResult iterate_moments(const UpdatingProblem& problem, const ScaledParam
   UpdatingResult result;
   append_state(result, record_state(problem, setup.tests, problem.space.prior(), 0, context));
   Progress progress;
-  progress.state.mean = parameters.clamp(parameters.start());
-  progress.state.covariance = parameters.covariance();
+  const PriorOnScales start = start_at_best(problem, context, progress.evaluations, result);
+  progress.state.mean = parameters.clamp(start.mean);
+  progress.state.covariance = start.covariance;
   keep_groups(progress.state.covariance, problem.covariance_groups);
   if (!method.evaluate(progress.state, progress.evaluations))
     throw ModelFailure(

@@ -9,7 +9,7 @@
 #include "mottle/layers.hpp"
 #include "mottle/stats/sampling/gaussian_rules.hpp"
 #include "mottle/updating/methods/iteration.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 
 namespace mottle::updating {
 

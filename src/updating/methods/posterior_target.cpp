@@ -6,8 +6,8 @@
 
 #include "mottle/core/parallel.hpp"
 #include "mottle/core/subject.hpp"
-#include "updating/methods/scaled_parameters.hpp"
-#include "updating/population/regional_problem.hpp"
+#include "updating/fits/regional_problem.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 
 namespace mottle::updating {
 

@@ -12,7 +12,7 @@
 #include "mottle/stats/moments/quantiles.hpp"
 #include "mottle/stats/moments/spearman.hpp"
 #include "mottle/stats/moments/wasserstein.hpp"
-#include "updating/methods/measured_outputs.hpp"
+#include "updating/fits/measured_outputs.hpp"
 
 namespace mottle::updating {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/least_change.hpp"
-#include "updating/methods/scaled_parameters.hpp"
 
 namespace mottle::updating {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
-#include "updating/methods/measured_outputs.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/measured_outputs.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 
 namespace mottle::updating {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mottle/layers.hpp"
-#include "updating/methods/specimen_fit.hpp"
+#include "updating/fits/specimen_fit.hpp"
 #include "updating/population/population_prior.hpp"
 
 namespace mottle::updating {

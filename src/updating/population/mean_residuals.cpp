@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "updating/fits/measured_outputs.hpp"
 #include "updating/methods/matched_moments.hpp"
-#include "updating/methods/measured_outputs.hpp"
 
 namespace mottle::updating {
 namespace {

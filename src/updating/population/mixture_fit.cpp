@@ -7,8 +7,8 @@
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/linear_units.hpp"
-#include "updating/methods/scaled_parameters.hpp"
 
 namespace mottle::updating {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/population/population_report.hpp"
 
 namespace mottle::updating {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mottle/layers.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/population/population_fit.hpp"
 
 namespace mottle::updating {

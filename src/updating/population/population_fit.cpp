@@ -9,9 +9,10 @@
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/fits/regional_problem.hpp"
+#include "updating/fits/scaled_parameters.hpp"
+#include "updating/fits/specimen_restarts.hpp"
 #include "updating/methods/linear_units.hpp"
-#include "updating/methods/scaled_parameters.hpp"
-#include "updating/population/regional_problem.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -227,8 +228,9 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   // A model that adapts to regions needs no more of it than where its region lies; until then each run is a full one.
   constexpr double k_near_enough = 1e-2;
   const double centre_tolerance = problem.model.adapts_to_regions() ? k_near_enough : settings.specimen_tolerance;
+  const Eigen::VectorXd first = settings.first.size() > 0 ? settings.first : prior.mean;
   const SpecimenFits centre = fit_specimens(problem, means_of_tests(values), {prior.mean, prior.covariance, spread},
-                                            {prior.mean.transpose(), {}, centre_tolerance}, context, fit.evaluations);
+                                            {first.transpose(), {}, centre_tolerance}, context, fit.evaluations);
   fit.mean = ScaledParameters(problem.space).clamp(centre.points.row(0).transpose());
   fit.covariance = prior.covariance;
   const Eigen::MatrixXd movement = scaled_movement(centre.jacobians[0], prior_std);
@@ -266,6 +268,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
   SpecimenStart from{fit.mean.transpose().replicate(values.rows(), 1),
                      std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(values.rows()), centre.jacobians[0]),
                      settings.specimen_tolerance};
+  int restarts = 0;
   while (fit.iterations < settings.iterations && !fit.converged) {
     for (std::size_t i = 0; i < settings.has_scatter.size(); ++i) {
       const auto column = static_cast<Eigen::Index>(i);
@@ -298,6 +301,14 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
       if (f >= 0) fit.noise(k) = settings.noise.base(k) * fit.effects.noise_factors(f);
     }
     ++fit.iterations;
+    if (fit.converged && restarts < settings.restarts) {
+      ++restarts;
+      SpecimenFits again = fit.specimens;
+      fit.converged =
+          restart_specimens(following.now(), without_shift(values, error), {fit.mean, fit.covariance, fit.noise},
+                            settings.specimen_tolerance, context, fit.evaluations, again) == 0;
+      if (!fit.converged) from = {again.points, again.jacobians, settings.specimen_tolerance};
+    }
     if (!fit.converged) following.follow();
     if (!each(fit)) break;
   }

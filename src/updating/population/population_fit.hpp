@@ -13,7 +13,7 @@
 #include "mottle/model/sample_region.hpp"
 #include "mottle/stats/population/random_effects.hpp"
 #include "mottle/updating/methods/updater.hpp"
-#include "updating/methods/specimen_fit.hpp"
+#include "updating/fits/specimen_fit.hpp"
 
 namespace mottle::updating {
 
@@ -40,6 +40,11 @@ struct PopulationFitSettings {
   std::vector<bool> has_scatter = {};
   /// The mean, on the scales, that stands for the prior's: where the fit starts and where unseen directions stay.
   Eigen::VectorXd start = {};
+  /// Where the fit of the tests' mean starts, on the scales; empty: at `start`, or the prior's mean.
+  Eigen::VectorXd first = {};
+  /// Once the population rests, how often its specimens' fits are begun again from elsewhere (restart_specimens()), as
+  /// long as one of them comes out better.
+  int restarts = 0;
   /// Where the specimens are known to lie; null: the model follows the iterate.
   std::shared_ptr<const SampleRegion> region = nullptr;
 };

@@ -8,8 +8,8 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/distributions/student_t.hpp"
 #include "mottle/stats/distributions/transformed_moments.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/posterior_target.hpp"
-#include "updating/methods/scaled_parameters.hpp"
 
 namespace mottle::updating {
 namespace {

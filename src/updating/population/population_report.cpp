@@ -9,12 +9,12 @@
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "updating/fits/measured_outputs.hpp"
+#include "updating/fits/regional_problem.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/curvature.hpp"
-#include "updating/methods/measured_outputs.hpp"
-#include "updating/methods/scaled_parameters.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/model_error_intervals.hpp"
-#include "updating/population/regional_problem.hpp"
 #include "updating/verdict/normality_report.hpp"
 #include "updating/verdict/other_solutions.hpp"
 
@@ -56,14 +56,6 @@ void cut_at_bounds(const ParameterSpace& space, Eigen::MatrixXd& intervals) {
     intervals(i, 1) = std::min(intervals(i, 1), upper(i));
     if (!(intervals(i, 0) < intervals(i, 1))) intervals.row(i).setConstant(k_nan);
   }
-}
-
-ParameterIntervals analytic_intervals(const UpdatingProblem& problem, const PopulationFit& fit) {
-  const PopulationEvidence evidence = evidence_without_bounds(problem, fit);
-  PopulationIntervals ends = population_intervals(evidence, problem.space.transforms(), k_confidence);
-  if (is_mean_held(fit)) cut_at_bounds(problem.space, ends.mean);
-  return {std::move(ends.mean), std::move(ends.std), std::move(ends.correlation_lower),
-          std::move(ends.correlation_upper), "analytic"};
 }
 
 /// Takes away what the data say nothing of.
@@ -162,6 +154,14 @@ SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const Popul
   return estimates;
 }
 
+ParameterIntervals analytic_intervals(const UpdatingProblem& problem, const PopulationFit& fit) {
+  const PopulationEvidence evidence = evidence_without_bounds(problem, fit);
+  PopulationIntervals ends = population_intervals(evidence, problem.space.transforms(), k_confidence);
+  if (is_mean_held(fit)) cut_at_bounds(problem.space, ends.mean);
+  return {std::move(ends.mean), std::move(ends.std), std::move(ends.correlation_lower),
+          std::move(ends.correlation_upper), "analytic"};
+}
+
 Eigen::MatrixXd start_beside(const UpdatingProblem& problem, const PopulationFit& fit) {
   constexpr double k_fresh = 0.01;
   // Effects that are combinations of parameters have unit variance in the prior.
@@ -246,9 +246,10 @@ NoiseModel with_levels(const UpdatingProblem& problem, NoiseModel model, const s
   return model;
 }
 
-void describe_population(const UpdatingProblem& problem, const PopulationFit& fit,
-                         const PopulationFitSettings& settings, const MaximumLikelihoodOptions& options,
-                         const RunContext& context, UpdatingResult& result) {
+void describe_population(const UpdatingProblem& problem, const SolvedPopulation& solved,
+                         const MaximumLikelihoodOptions& options, const RunContext& context, UpdatingResult& result) {
+  const PopulationFit& fit = solved.best();
+  const PopulationFitSettings& settings = solved.settings;
   using Intervals = MaximumLikelihoodOptions::Intervals;
   result.noise_covariance = fit.noise.asDiagonal();
   result.specimens = estimate_specimens(problem, fit);
@@ -259,7 +260,7 @@ void describe_population(const UpdatingProblem& problem, const PopulationFit& fi
     result.sensitivity.col(i) /= scales[static_cast<std::size_t>(i)].slope(fit.mean(i));
   }
   result.outliers = find_outliers(fit.units, fit.effects, fit.settings, fit.map, problem.level);
-  result.other_solutions = other_solutions(problem, fit, options.starts, context, result.model_evaluations);
+  name_other_solutions(problem, fit, solved.solutions, solved.starts, result);
   const PopulationEvidence& evidence = result.estimate->population()->evidence;
   const RegionalProblem near(problem, fit.region);
   if (options.intervals == Intervals::analytic) {

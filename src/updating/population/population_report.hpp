@@ -4,7 +4,7 @@
 #include "mottle/layers.hpp"
 #include "mottle/stats/population/population_intervals.hpp"
 #include "mottle/updating/methods/maximum_likelihood.hpp"
-#include "updating/population/population_fit.hpp"
+#include "updating/population/solved_population.hpp"
 #include "updating/verdict/test_plan.hpp"
 
 namespace mottle::updating {
@@ -25,10 +25,12 @@ SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const Popul
 /// The model with one level to estimate for each unit of the outputs that are open, on those squares.
 NoiseModel with_levels(const UpdatingProblem& problem, NoiseModel model, const std::vector<bool>& is_open);
 
-/// Puts sensitivity, noise, intervals, specimens and notes into the result.
-void describe_population(const UpdatingProblem& problem, const PopulationFit& fit,
-                         const PopulationFitSettings& settings, const MaximumLikelihoodOptions& options,
-                         const RunContext& context, UpdatingResult& result);
+/// Puts sensitivity, noise, intervals, specimens, other solutions and notes of the best solution into the result.
+void describe_population(const UpdatingProblem& problem, const SolvedPopulation& solved,
+                         const MaximumLikelihoodOptions& options, const RunContext& context, UpdatingResult& result);
+
+/// 95 % intervals of the population's moments by sampling theory.
+ParameterIntervals analytic_intervals(const UpdatingProblem& problem, const PopulationFit& fit);
 
 /// What the specimens show of the population, on the parameters' scales, with no bound on its mean: that of the fit, or
 /// of its last linear problem solved again without bounds where they hold a mean.

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "mottle/layers.hpp"
-#include "updating/methods/specimen_fit.hpp"
+#include "updating/fits/specimen_fit.hpp"
 #include "updating/population/mean_residuals.hpp"
 
 namespace mottle::updating {

@@ -6,29 +6,13 @@
 
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
-#include "mottle/stats/distributions/standard_normal.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/matched_moments.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/population/model_error.hpp"
+#include "updating/population/population_report.hpp"
 
 namespace mottle::updating {
 namespace {
-
-/// Starts spread over twice the prior's deviations, on the scales; those where the model fails are left out.
-Eigen::MatrixXd draw_starts(const UpdatingProblem& problem, const PriorOnScales& prior, int starts,
-                            const RunContext& context, std::int64_t& evaluations) {
-  constexpr double k_spread = 2.0;
-  const StreamKey key{.seed = context.seed, .purpose = StreamPurpose::design_permutation, .iteration = 1};
-  const Eigen::VectorXd std = prior.covariance.diagonal().cwiseSqrt();
-  Eigen::MatrixXd points = uniform_design(SamplingDesign::latin_hypercube, starts, prior.mean.size(), key);
-  points = points.unaryExpr([](double u) { return standard_normal_quantile(u); });
-  points = ((k_spread * points) * std.asDiagonal()).rowwise() + prior.mean.transpose();
-  const Eigen::MatrixXd outputs = outputs_on_scales(problem, points, context, evaluations);
-  std::vector<Eigen::Index> usable;
-  for (Eigen::Index s = 0; s < points.rows(); ++s) {
-    if (outputs.row(s).allFinite()) usable.push_back(s);
-  }
-  return points(usable, Eigen::all);
-}
 
 /// The metric in which two means count as the same: the sampling covariance of the mean test, and what it leaves of the
 /// parameters in the directions that the outputs see.
@@ -55,50 +39,71 @@ MeanMetric metric_of(const PopulationFit& fit, const TestData& tests, const Eige
   return metric;
 }
 
-}  // namespace
-
-std::vector<Eigen::VectorXd> other_solutions(const UpdatingProblem& problem, const PopulationFit& fit, int starts,
-                                             const RunContext& context, std::int64_t& evaluations) {
+/// Those of the solutions but the first that explain the mean as well and lie apart from those before.
+std::vector<const PopulationSolution*> apart(const UpdatingProblem& problem, const PopulationFit& estimate,
+                                             const std::vector<PopulationSolution>& solutions) {
   constexpr double k_apart = 0.1;  // prior deviations: nearer solutions are one for every purpose
-  constexpr double k_flat = 1e4;   // times the prior's deviations: it then holds nothing that the outputs see
-  if (starts == 0) return {};
-  const PriorOnScales prior = prior_on_scales(problem.space);
-  const Eigen::VectorXd std = prior.covariance.diagonal().cwiseSqrt();
-  const Eigen::RowVectorXd target = means_of_tests(problem.tests.values);
-  const MeanMetric metric = metric_of(fit, problem.tests, std);
-  const double same = chi_squared_quantile(1.0 - problem.level, static_cast<double>(fit.seen.cols()));
-  HoldingPopulation hold{prior.mean, k_flat * k_flat * prior.covariance,
-                         fit.noise / static_cast<double>(problem.tests.values.rows())};
-  if (fit.model_error) hold.noise += fit.model_error->std.cwiseAbs2();
-  const Eigen::MatrixXd drawn = draw_starts(problem, prior, starts, context, evaluations);
-  Eigen::MatrixXd from(drawn.rows() + 1, drawn.cols());
-  from << fit.mean.transpose(), drawn;
-  const SpecimenFits found =
-      fit_specimens(problem, target.replicate(from.rows(), 1), hold, {from}, context, evaluations);
-  const auto misfit = [&](Eigen::Index s) { return metric.misfit((found.outputs.row(s) - target).transpose()); };
-  const auto seen = [&](const Eigen::VectorXd& t) -> Eigen::VectorXd {
-    return fit.seen.transpose() * (t - prior.mean).cwiseQuotient(std);
-  };
-  const ScaledParameters parameters(problem.space);
-  std::vector<Eigen::VectorXd> kept{found.points.row(0)};
-  for (Eigen::Index s = 1; s < found.points.rows(); ++s) {
-    const Eigen::VectorXd t = found.points.row(s);
-    const bool fits = found.converged[static_cast<std::size_t>(s)] && misfit(s) - misfit(0) <= same;
-    const bool is_new = std::none_of(kept.begin(), kept.end(), [&](const Eigen::VectorXd& other) {
-      const Eigen::VectorXd between = seen(t) - seen(other);
+  const Eigen::VectorXd std = prior_on_scales(problem.space).covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd target = means_of_tests(problem.tests.values).transpose();
+  const MeanMetric metric = metric_of(estimate, problem.tests, std);
+  const double same = chi_squared_quantile(1.0 - problem.level, static_cast<double>(estimate.seen.cols()));
+  const auto misfit = [&](const PopulationSolution& one) { return metric.misfit(one.mean.outputs - target); };
+  std::vector<const PopulationSolution*> kept{&solutions.front()};
+  for (std::size_t k = 1; k < solutions.size(); ++k) {
+    const PopulationSolution& one = solutions[k];
+    const bool is_new = std::ranges::none_of(kept, [&](const PopulationSolution* other) {
+      const Eigen::VectorXd between = estimate.seen.transpose() * (one.fit.mean - other->fit.mean).cwiseQuotient(std);
       return between.cwiseAbs().maxCoeff() < k_apart ||
              between.dot(solve_semidefinite(metric.covariance, between)) <= same;
     });
-    if (fits && is_new && parameters.clamp(t) == t) kept.push_back(t);
+    if (is_new && misfit(one) - misfit(*kept.front()) <= same) kept.push_back(&one);
   }
-  std::sort(kept.begin() + 1, kept.end(),
-            [&](const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return seen(a).norm() < seen(b).norm(); });
+  return kept;
+}
+
+}  // namespace
+
+void name_other_solutions(const UpdatingProblem& problem, const PopulationFit& estimate,
+                          const std::vector<PopulationSolution>& solutions, int starts, UpdatingResult& result) {
+  const std::vector<const PopulationSolution*> named = apart(problem, estimate, solutions);
+  result.search = SolutionSearch{
+      .starts = starts,
+      .is_settled = std::ranges::all_of(named, [](const PopulationSolution* one) { return one->mean.met >= 2; })};
+  double sum = 0.0;
+  const auto relative = [&](const PopulationSolution& one) {
+    return std::exp(one.log_weight - named.front()->log_weight);
+  };
+  for (const PopulationSolution* one : named) sum += relative(*one);
   const std::vector<ParameterTransform> scales = problem.space.transforms();
-  std::vector<Eigen::VectorXd> solutions;
-  for (std::size_t k = 1; k < kept.size(); ++k) {
-    solutions.emplace_back(to_variables(scales, kept[k].transpose()).row(0));
+  for (std::size_t k = 1; k < named.size(); ++k) {
+    const PopulationFit& fit = named[k]->fit;
+    const VariableMoments moments = moments_of_variables(scales, fit.mean, fit.covariance);
+    result.other_solutions.push_back({.mean = moments.mean,
+                                      .std = moments.covariance.diagonal().cwiseSqrt(),
+                                      .mean_interval = analytic_intervals(problem, fit).mean,
+                                      .weight = relative(*named[k]) / sum});
   }
-  return solutions;
+}
+
+PriorOnScales start_at_best(const UpdatingProblem& problem, const RunContext& context, std::int64_t& evaluations,
+                            UpdatingResult& result) {
+  constexpr double k_kept = 0.01;  // of the prior's variance
+  PriorOnScales start = prior_on_scales(problem.space);
+  if (context.stop_requested()) return start;
+  const MeanSolutions means = find_mean_solutions(problem, result.history.front().cloud, context, evaluations);
+  result.search = SolutionSearch{.starts = means.starts, .is_settled = means.solutions.front().met >= 2};
+  if (means.solutions.size() == 1 && means.solutions.front().is_from_prior) return start;
+  const PopulationFitSettings settings{.noise = noise_model(problem, {}),
+                                       .model_error = model_error_model(problem),
+                                       .iterations = problem.iterations,
+                                       .tolerance = problem.tolerance};
+  const std::vector<PopulationSolution> solutions = fit_solutions(problem, settings, means, context, evaluations);
+  const PopulationSolution& best = solutions.front();
+  name_other_solutions(problem, best.fit, solutions, means.starts, result);
+  if (best.mean.is_from_prior) return start;
+  start.mean = best.fit.mean;
+  start.covariance = best.fit.covariance + k_kept * start.covariance;
+  return start;
 }
 
 }  // namespace mottle::updating

@@ -7,7 +7,7 @@
 
 #include "mottle/layers.hpp"
 #include "mottle/updating/methods/iteration.hpp"
-#include "updating/methods/measured_outputs.hpp"
+#include "updating/fits/measured_outputs.hpp"
 #include "updating/verdict/test_plan.hpp"
 
 namespace mottle::updating {

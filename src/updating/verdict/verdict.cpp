@@ -11,6 +11,25 @@
 namespace mottle::updating {
 namespace {
 
+/// Solutions that the tests do not tell apart, and those that may not have been found.
+void say_what_is_open(const UpdatingResult& result, Verdict& verdict) {
+  double others = 0.0;
+  for (const OtherSolution& other : result.other_solutions) others += other.weight;
+  if (others > verdict.level) {
+    verdict.not_tested.push_back(fmt::format(
+        "Which of {} solutions is the structure's was not decided: the others have a probability of {:.2g} % together. "
+        "Measure an output that differs between them (a shape at a place that tells like parts apart, a frequency with "
+        "a known mass added), or state a prior or bounds that leave one of them.",
+        result.other_solutions.size() + 1, 100.0 * others));
+  }
+  if (result.search && result.search->starts > 0 && !result.search->is_settled) {
+    verdict.not_tested.push_back(fmt::format(
+        "Whether further parameters explain the tests was not decided: the search for solutions ended after {} starts "
+        "and had met some of them only once. Give it more (update.starts).",
+        result.search->starts));
+  }
+}
+
 /// Whether the tests speak of the method's own answer: where the iteration was cut off, of a point that hardly moves.
 bool is_at_rest(const UpdatingProblem& problem, const UpdatingResult& result) {
   constexpr double k_hardly = 0.1;  // of a prior deviation, by the last step
@@ -94,18 +113,10 @@ void say_specimens_and_solutions(const UpdatingProblem& problem, const UpdatingR
         "test before trusting means and standard deviations.",
         problem.tests.number_of(outlier.sample), outlier.distance, outlier.p_value));
   }
-  for (const Eigen::VectorXd& other : result.other_solutions) {
+  for (const OtherSolution& other : result.other_solutions) {
     verdict.reasons.push_back(
-        fmt::format("Other parameters explain the mean of the tests equally well: {}{}. Measure outputs that "
-                    "distinguish them, or narrow the bounds.",
-                    values_text(problem, other), beyond_priors_text(problem, other)));
-  }
-  if (result.better_solution.size() > 0) {
-    verdict.not_tested.push_back(
-        fmt::format("The update stopped in a local minimum: {} explains the tests better, and tests of the model at "
-                    "a local minimum say nothing about it. Make that the mean of the prior, or set bounds around the "
-                    "parameters that are possible.",
-                    values_text(problem, result.better_solution)));
+        fmt::format("Other parameters explain the tests as well, with a probability of {:.2g} %: {}{}.",
+                    100.0 * other.weight, values_text(problem, other.mean), beyond_priors_text(problem, other.mean)));
   }
 }
 
@@ -131,9 +142,12 @@ Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
   say_tests(result, verdict);
   say_bounds(problem, result, verdict);
   say_specimens_and_solutions(problem, result, verdict);
+  say_what_is_open(result, verdict);
   const bool has_failed =
       std::any_of(result.tests.begin(), result.tests.end(), [](const VerdictTest& test) { return !test.passed; });
-  const bool counts = is_at_rest(problem, result) && result.better_solution.size() == 0;
+  // A failed test counts where no better solution may be left.
+  const bool is_searched = !result.search || result.search->starts == 0 || result.search->is_settled;
+  const bool counts = is_at_rest(problem, result) && is_searched;
   if (result.status != UpdatingStatus::converged) {
     verdict.not_tested.push_back(
         fmt::format("The iteration did not converge: {}. {}", result.message,

@@ -89,7 +89,7 @@ TEST_F(HostileHdf5, TwoThreadsReadEachItsOwnFile) {
   std::atomic<int> wrong = 0;
   const auto read = [&](const std::string& name, Eigen::Index size) {
     for (int k = 0; k < 200; ++k) {
-      if (read_symmetric_matrix((folder_ / name).string() + "#K").matrix.rows() != size) ++wrong;
+      if (read_symmetric_matrix((folder_ / name).string() + "#K").lower.rows() != size) ++wrong;
     }
   };
   {

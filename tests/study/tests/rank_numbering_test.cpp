@@ -52,7 +52,7 @@ struct CrossingMasses {
                                   .space = *space,
                                   .tests = {tests, Eigen::Vector2d::Zero()},
                                   .cloud = {.samples = 500}};
-    return MaximumLikelihoodUpdater({.starts = 0}).update(problem, {});
+    return MaximumLikelihoodUpdater({}).update(problem, {});
   }
 
   std::unique_ptr<ParameterSpace> space;

@@ -8,7 +8,7 @@
 #include "mottle/core/random.hpp"
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "updating/estimate/normal_draws.hpp"
-#include "updating/methods/measured_outputs.hpp"
+#include "updating/fits/measured_outputs.hpp"
 
 namespace mottle::updating {
 namespace {

@@ -24,7 +24,7 @@ UpdatingProblem problem_of(const test::LinearProblem& linear, const Eigen::Vecto
   return problem;
 }
 
-UpdatingResult update(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options = {.starts = 0}) {
+UpdatingResult update(const UpdatingProblem& problem, const MaximumLikelihoodOptions& options = {}) {
   return MaximumLikelihoodUpdater(options).update(problem, {});
 }
 
@@ -141,7 +141,7 @@ TEST(ModelError, AddsToTheMeasurementsOfOneStructure) {
 TEST(ModelError, BootstrapWidensTheMeansToo) {
   const test::LinearProblem linear;
   const MaximumLikelihoodOptions options{
-      .intervals = MaximumLikelihoodOptions::Intervals::bootstrap, .bootstrap_samples = 100, .starts = 0};
+      .intervals = MaximumLikelihoodOptions::Intervals::bootstrap, .bootstrap_samples = 100};
   const auto width = [&](const Eigen::VectorXd& error) {
     UpdatingProblem problem = problem_of(linear, error);
     problem.tolerance = 1e-3;

@@ -21,7 +21,7 @@ Eigen::MatrixXd normal_parameters(Eigen::Index count) {
 
 UpdatingResult update(const Eigen::MatrixXd& x) {
   const test::ThreeMasses structure;
-  return MaximumLikelihoodUpdater({.starts = 0}).update(structure.problem(test::frequencies_of(structure, x)), {});
+  return MaximumLikelihoodUpdater({}).update(structure.problem(test::frequencies_of(structure, x)), {});
 }
 
 std::string remark_of(const UpdatingResult& result) {

@@ -14,7 +14,6 @@ struct DeterministicOptions {
   double tikhonov_parameter = 1.0;
   int specimen = 0;                 // the mean of all: the usual reading of "the structure"
   double measurement_error = 0.01;  // one per cent, used only where no repeatability is given
-  int starts = 8;
 };
 
 /// Name, range, default and meaning of each option.
@@ -29,8 +28,8 @@ const OptionTable<DeterministicOptions>& deterministic_option_table();
 /// the posterior (G'WG + Q)^-1 for "bayesian", else the sampling covariance of x for noise of covariance W^-1.
 /// It is not the scatter of specimens. Source: [Friswell1995], ch. 7 and 8.
 ///
-/// J may have several minima: it is minimised again from `starts` points of the prior. Minima that fit no worse are
-/// result.other_solutions; where one fits better, the estimate is said to be a local minimum, and stays what it is.
+/// J may have several minima: the lowest that is found is the estimate, those that fit no worse are
+/// result.other_solutions.
 class DeterministicUpdater final : public Updater {
  public:
   explicit DeterministicUpdater(const DeterministicOptions& options) : options_(options) {}

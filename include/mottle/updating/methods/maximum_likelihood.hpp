@@ -16,7 +16,6 @@ struct MaximumLikelihoodOptions {
   Noise noise = Noise::automatic;
   Intervals intervals = Intervals::analytic;
   int bootstrap_samples = 400;   // tails of 2.5 % from 10 samples each
-  int starts = 8;                // for other solutions: enough to meet a second basin of a tenth of the prior's reach
   double rank_tolerance = 1e-3;  // weaker combinations move less than a thousandth of the strongest: noise drowns them
 };
 

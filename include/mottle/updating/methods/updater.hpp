@@ -47,6 +47,8 @@ struct TestData {
   bool has_model_error() const { return is_model_error_estimated || !model_error_std.isZero(0.0); }
 };
 
+inline constexpr int k_usual_starts = 64;
+
 /// One updating problem. What it refers to must outlive it.
 struct UpdatingProblem {
   const Model& model;
@@ -61,9 +63,13 @@ struct UpdatingProblem {
   /// not. Empty: all may be.
   std::vector<int> covariance_groups = {};
 
+  /// Most starting points of the search for all parameters that explain the tests' mean, which ends when two of them
+  /// have led to each; 0: no search. 64 miss a solution that a twentieth of them lead to in 4 % of searches.
+  int starts = k_usual_starts;
+
   /// The same problem with another model of the same parameters and outputs, which must outlive it.
   UpdatingProblem with_model(const Model& other, const DifferentiableModel* other_derivatives) const {
-    return {other, other_derivatives, space, tests, cloud, iterations, level, tolerance, covariance_groups};
+    return {other, other_derivatives, space, tests, cloud, iterations, level, tolerance, covariance_groups, starts};
   }
 };
 
@@ -135,6 +141,20 @@ struct NormalityReport {
   std::vector<std::string> suggestions;  ///< what each parameter looks like; empty: normal [parameter]
 };
 
+/// Parameters that explain the tests as well as the estimate does.
+struct OtherSolution {
+  Eigen::VectorXd mean;                ///< [parameter]
+  Eigen::VectorXd std = {};            ///< of the population there; empty: the method estimates none [parameter]
+  Eigen::MatrixXd mean_interval = {};  ///< ends of 95 % intervals of `mean` [parameter x 2]
+  double weight = 0.0;                 ///< its share of the probability, estimate and other solutions together 1
+};
+
+/// A search for all solutions: see find_mean_solutions().
+struct SolutionSearch {
+  int starts = 0;           ///< that were tried; 0: no search
+  bool is_settled = false;  ///< each solution was met twice before the starts were used up
+};
+
 struct IntervalResult;
 struct AbcFindings;
 
@@ -157,9 +177,8 @@ struct UpdatingResult {
   std::optional<ModelError> model_error = std::nullopt;         ///< of methods that estimate it; see TestData
   std::vector<Outlier> outliers = {};                           ///< specimens that do not belong to the others
   std::optional<NormalityReport> normality = std::nullopt;      ///< of methods that look at each specimen
-  std::vector<Eigen::VectorXd> other_solutions = {};  ///< means that explain the tests' mean as well [parameter]
-  /// Parameters that explain what the method fits better than `mean` does, which is a local minimum; empty: not known.
-  Eigen::VectorXd better_solution = {};
+  std::vector<OtherSolution> other_solutions = {};              ///< that explain the tests' mean as well
+  std::optional<SolutionSearch> search = std::nullopt;          ///< of methods that search for all solutions
   /// Bias of `mean` by the curvature of the outputs, in its standard errors, to second order; empty: not known.
   Eigen::VectorXd curvature_bias = {};
   Eigen::MatrixXd noise_covariance;          ///< R as used or estimated [output x output]; else 0 x 0

@@ -1,4 +1,4 @@
-#include "updating/methods/batched_search.hpp"
+#include "updating/fits/batched_search.hpp"
 
 namespace mottle::updating {
 

@@ -7,7 +7,7 @@
 
 #include "mottle/layers.hpp"
 #include "mottle/updating/methods/updater.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 
 namespace mottle::updating {
 
@@ -24,6 +24,10 @@ struct SpecimenFits {
   Eigen::MatrixXd outputs;                 ///< f there [specimen x output]
   std::vector<Eigen::MatrixXd> jacobians;  ///< df/dt there, one a specimen [output x parameter]
   std::vector<bool> converged;
+  Eigen::VectorXd costs = {};  ///< what was minimised, noise below a floor counted as that floor [specimen]
+
+  /// Puts a specimen of other fits in the place of one of these.
+  void take(Eigen::Index specimen, const SpecimenFits& other, Eigen::Index from);
 };
 
 /// Where fits start.

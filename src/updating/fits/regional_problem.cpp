@@ -1,4 +1,4 @@
-#include "updating/population/regional_problem.hpp"
+#include "updating/fits/regional_problem.hpp"
 
 #include "mottle/core/error.hpp"
 

@@ -1,4 +1,4 @@
-#include "updating/methods/specimen_fit.hpp"
+#include "updating/fits/specimen_fit.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -8,9 +8,9 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
-#include "updating/methods/batched_search.hpp"
-#include "updating/methods/measured_outputs.hpp"
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/batched_search.hpp"
+#include "updating/fits/measured_outputs.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -117,6 +117,12 @@ class HeldSearches {
     return from + iterate.length * (target - from);
   }
 
+  Eigen::VectorXd costs() const {
+    Eigen::VectorXd costs(static_cast<Eigen::Index>(iterates_.size()));
+    for (Eigen::Index s = 0; s < costs.size(); ++s) costs(s) = iterates_[static_cast<std::size_t>(s)].cost;
+    return costs;
+  }
+
   bool judge(Eigen::Index s, const Eigen::VectorXd& trial, const Eigen::VectorXd& outputs) {
     const auto index = static_cast<std::size_t>(s);
     Iterate& iterate = iterates_[index];
@@ -163,6 +169,16 @@ class HeldSearches {
 
 }  // namespace
 
+void SpecimenFits::take(Eigen::Index specimen, const SpecimenFits& other, Eigen::Index from) {
+  const auto to = static_cast<std::size_t>(specimen);
+  const auto index = static_cast<std::size_t>(from);
+  points.row(specimen) = other.points.row(from);
+  outputs.row(specimen) = other.outputs.row(from);
+  jacobians[to] = other.jacobians[index];
+  converged[to] = other.converged[index];
+  costs(specimen) = other.costs(from);
+}
+
 SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& values,
                            const HoldingPopulation& population, const SpecimenStart& start, const RunContext& context,
                            std::int64_t& evaluations) {
@@ -185,6 +201,7 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
     try_once(searches, moving);
   }
   differentiate(problem, parameters, context, evaluations, fits);
+  fits.costs = held.costs();
   return fits;
 }
 

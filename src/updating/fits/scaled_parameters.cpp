@@ -1,4 +1,4 @@
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 
 #include <cmath>
 #include <limits>

@@ -1,10 +1,11 @@
-#include "updating/methods/scaled_parameters.hpp"
+#include "updating/fits/scaled_parameters.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "mottle/updating/methods/deterministic.hpp"
 #include "support/linear_model.hpp"
 #include "support/three_masses.hpp"
 #include "updating/methods/least_squares.hpp"
