@@ -140,8 +140,8 @@ TEST(ModelError, AddsToTheMeasurementsOfOneStructure) {
 
 TEST(ModelError, BootstrapWidensTheMeansToo) {
   const test::LinearProblem linear;
-  const MaximumLikelihoodOptions options{
-      .intervals = MaximumLikelihoodOptions::Intervals::bootstrap, .bootstrap_samples = 100};
+  const MaximumLikelihoodOptions options{.intervals = MaximumLikelihoodOptions::Intervals::bootstrap,
+                                         .bootstrap_samples = 100};
   const auto width = [&](const Eigen::VectorXd& error) {
     UpdatingProblem problem = problem_of(linear, error);
     problem.tolerance = 1e-3;
