@@ -92,7 +92,7 @@ def test_an_update_whose_function_failed_goes_on(tmp_path, whole, failure, at):
     result = update(model, batch=64, folder=tmp_path, resume=True)
     assert len(finished) >= at and len(finished) + len(model.batches) <= len(whole[0])
     assert all(np.array_equal(*pair) for pair in zip(finished, whole[0]))
-    assert not any(np.array_equal(new, old) for new in model.batches for old in finished)
+    assert all(np.array_equal(*pair) for pair in zip(model.batches[::-1], whole[0][::-1]))  # and nothing of it twice
     assert {**without_times(result), "title": ""} == {**without_times(whole[1]), "title": ""}
     assert result.model_evaluations == whole[1].model_evaluations
     assert not (tmp_path / "resume.journal").exists()
@@ -159,7 +159,7 @@ def test_derivatives_are_not_asked_for_again(tmp_path):
             return super().jacobian(k)
 
     whole = Points()
-    wanted = update(whole)
+    wanted = update(whole, folder=tmp_path / "whole")  # which keeps a point that is asked for twice
     for at in (0, 1, len(whole.points) // 2, len(whole.points) - 1):
         broken, model = Points(at), Points()
         with pytest.raises(RuntimeError):

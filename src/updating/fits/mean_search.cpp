@@ -12,7 +12,7 @@ namespace mottle::updating {
 namespace {
 
 /// Directions, in prior deviations, that do not move the outputs.
-Eigen::MatrixXd unmoved_directions(const Eigen::MatrixXd& moved) {
+Eigen::MatrixXd flat_directions(const Eigen::MatrixXd& moved) {
   constexpr double k_small = 1e-3;  // of the strongest direction's movement
   const SingularValues svd(moved, Eigen::ComputeFullV);
   Eigen::Index rank = 0;
@@ -22,33 +22,43 @@ Eigen::MatrixXd unmoved_directions(const Eigen::MatrixXd& moved) {
 
 }  // namespace
 
-void MeanSearch::descend(const Eigen::MatrixXd& points) {
+void MeanSearch::descend(const Eigen::MatrixXd& points, const Eigen::MatrixXd& outputs) {
   starts_ += static_cast<int>(points.rows());
-  const Eigen::MatrixXd usable = points(finite_rows(points), Eigen::all);
-  if (usable.rows() == 0) return;
+  std::vector<Eigen::Index> usable;
+  for (Eigen::Index s = 0; s < points.rows(); ++s) {
+    if (outputs.row(s).allFinite()) usable.push_back(s);
+  }
+  if (usable.empty()) return;
+  const auto from = [&](const std::vector<Eigen::Index>& rows) {
+    add(fit(points(rows, Eigen::all), outputs(rows, Eigen::all)));
+  };
   try {
-    add(fit(usable));
+    from(usable);
   } catch (const ModelFailure&) {  // one of them leads to where the model fails: each by itself
-    for (Eigen::Index s = 0; s < usable.rows(); ++s) {
+    for (const Eigen::Index row : usable) {
       try {
-        add(fit(usable.row(s)));
+        from({row});
       } catch (const ModelFailure&) {  // NOLINT(bugprone-empty-catch): a start that leads nowhere
       }
     }
   }
 }
 
+void MeanSearch::descend(const Eigen::MatrixXd& points) {
+  descend(points, outputs_on_scales(problem(), points, context_, evaluations_));
+}
+
 void MeanSearch::descend_from_prior() {
   constexpr double k_beside = 0.5;
-  descend(prior_.mean.transpose());
+  const Eigen::MatrixXd point = prior_.mean.transpose();
+  const Eigen::MatrixXd outputs = outputs_on_scales(problem(), point, context_, evaluations_);
+  descend(point, outputs);
   for (MeanSolution& one : found_) one.is_from_prior = true;
-  const Eigen::MatrixXd outputs = outputs_on_scales(problem(), prior_.mean.transpose(), context_, evaluations_);
   if (!outputs.allFinite()) return;
   const ScaledParameters parameters(problem_.space);
-  const Eigen::MatrixXd g =
-      scaled_jacobians(problem(), parameters, prior_.mean.transpose(), outputs, context_, evaluations_).front();
+  const Eigen::MatrixXd g = scaled_jacobians(problem(), parameters, point, outputs, context_, evaluations_).front();
   if (!g.allFinite()) return;
-  const Eigen::MatrixXd unmoved = unmoved_directions(g * std_.asDiagonal());
+  const Eigen::MatrixXd unmoved = flat_directions(g * std_.asDiagonal());
   if (unmoved.cols() == 0) return;
   const Eigen::VectorXd ramp = Eigen::VectorXd::LinSpaced(std_.size(), 1.0, 2.0);
   const Eigen::VectorXd beside = unmoved * (unmoved.transpose() * ramp);
@@ -58,28 +68,29 @@ void MeanSearch::descend_from_prior() {
 void MeanSearch::exchange() {
   constexpr std::size_t k_nearest = 8;
   if (permutations_.empty()) return;
-  for (std::size_t k = 0; k < found_.size(); ++k) {
-    if (starts_ >= settings_.starts) return;
+  for (std::size_t k = 0; k < found_.size() && starts_ < settings_.starts; ++k) {
     if (found_[k].is_exchanged || !is_close(found_[k])) continue;
     found_[k].is_exchanged = true;
     Eigen::MatrixXd points(static_cast<Eigen::Index>(permutations_.size()), std_.size());
     for (std::size_t p = 0; p < permutations_.size(); ++p) {
       points.row(static_cast<Eigen::Index>(p)) = found_[k].point(permutations_[p]).transpose();
     }
-    const Eigen::MatrixXd nearest = nearest_first(points, outputs_on_scales(problem(), points, context_, evaluations_));
-    descend(nearest.topRows(std::min<Eigen::Index>(nearest.rows(), k_nearest)));
+    const Eigen::MatrixXd outputs = outputs_on_scales(problem(), points, context_, evaluations_);
+    std::vector<Eigen::Index> order = nearest_first(outputs);
+    order.resize(std::min(order.size(), k_nearest));
+    descend(points(order, Eigen::all), outputs(order, Eigen::all));
   }
 }
 
-Eigen::MatrixXd MeanSearch::nearest_first(const Eigen::MatrixXd& points, const Eigen::MatrixXd& outputs) const {
-  std::vector<std::pair<double, Eigen::Index>> order;
-  for (Eigen::Index s = 0; s < points.rows(); ++s) {
-    if (outputs.row(s).allFinite()) order.emplace_back(misfit(outputs.row(s)), s);
+std::vector<Eigen::Index> MeanSearch::nearest_first(const Eigen::MatrixXd& outputs) const {
+  std::vector<std::pair<double, Eigen::Index>> sorted;
+  for (Eigen::Index s = 0; s < outputs.rows(); ++s) {
+    if (outputs.row(s).allFinite()) sorted.emplace_back(misfit(outputs.row(s)), s);
   }
-  std::ranges::sort(order);
-  Eigen::MatrixXd sorted(static_cast<Eigen::Index>(order.size()), points.cols());
-  for (std::size_t k = 0; k < order.size(); ++k) sorted.row(static_cast<Eigen::Index>(k)) = points.row(order[k].second);
-  return sorted;
+  std::ranges::sort(sorted);
+  std::vector<Eigen::Index> order;
+  for (const auto& [distance, row] : sorted) order.push_back(row);
+  return order;
 }
 
 MeanSolutions MeanSearch::result() const {
@@ -98,33 +109,28 @@ bool MeanSearch::is_settled() const {
          std::ranges::all_of(now.solutions, [](const MeanSolution& one) { return one.met >= 2; });
 }
 
-std::vector<Eigen::Index> MeanSearch::finite_rows(const Eigen::MatrixXd& points) {
-  const Eigen::MatrixXd outputs = outputs_on_scales(problem(), points, context_, evaluations_);
-  std::vector<Eigen::Index> usable;
-  for (Eigen::Index s = 0; s < points.rows(); ++s) {
-    if (outputs.row(s).allFinite()) usable.push_back(s);
-  }
-  return usable;
-}
-
-SpecimenFits MeanSearch::fit(const Eigen::MatrixXd& points) {
+SpecimenFits MeanSearch::fit(const Eigen::MatrixXd& points, const Eigen::MatrixXd& outputs) {
   constexpr double k_flat = 1e4;        // times the prior's deviations: it then holds nothing that the outputs see
   constexpr double k_tolerance = 1e-5;  // prior deviations
   constexpr int k_passes = 3;
   const HoldingPopulation hold{prior_.mean, k_flat * k_flat * prior_.covariance, settings_.noise};
-  const auto from = [&](const Eigen::MatrixXd& starts) {
-    return fit_specimens(problem(), target_.replicate(starts.rows(), 1), hold, {starts, {}, k_tolerance}, context_,
-                         evaluations_);
+  const auto from = [&](const SpecimenStart& start) {
+    return fit_specimens(problem(), target_.replicate(start.points.rows(), 1), hold, start, context_, evaluations_);
   };
-  SpecimenFits fits = from(points);
+  SpecimenFits fits = from({points, {}, k_tolerance, outputs});
   for (int pass = 1; pass < k_passes; ++pass) {
     std::vector<Eigen::Index> stuck;
+    SpecimenStart again{.points = {}, .tolerance = k_tolerance};
     for (Eigen::Index s = 0; s < points.rows(); ++s) {
-      if (!fits.converged[static_cast<std::size_t>(s)]) stuck.push_back(s);
+      if (fits.converged[static_cast<std::size_t>(s)]) continue;
+      stuck.push_back(s);
+      again.jacobians.push_back(fits.jacobians[static_cast<std::size_t>(s)]);
     }
     if (stuck.empty()) break;
-    const SpecimenFits again = from(fits.points(stuck, Eigen::all));
-    for (std::size_t k = 0; k < stuck.size(); ++k) fits.take(stuck[k], again, static_cast<Eigen::Index>(k));
+    again.points = fits.points(stuck, Eigen::all);
+    again.outputs = fits.outputs(stuck, Eigen::all);
+    const SpecimenFits further = from(again);
+    for (std::size_t k = 0; k < stuck.size(); ++k) fits.take(stuck[k], further, static_cast<Eigen::Index>(k));
   }
   return fits;
 }

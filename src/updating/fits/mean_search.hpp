@@ -30,7 +30,8 @@ class MeanSearch {
         region_(problem, region_around(problem, prior_.mean, prior_.covariance)),
         permutations_(exchanges(ScaledParameters(problem.space))) {}
 
-  /// Descends from each of the points [start x parameter].
+  /// Descends from each of the points, whose outputs are known or evaluated [start x parameter], [start x output].
+  void descend(const Eigen::MatrixXd& points, const Eigen::MatrixXd& outputs);
   void descend(const Eigen::MatrixXd& points);
 
   /// Descends from the prior's mean, and where some combination of the parameters does not move the outputs there, from
@@ -41,8 +42,8 @@ class MeanSearch {
   /// mean test.
   void exchange();
 
-  /// Those of the points whose outputs are there, nearest to the mean test first.
-  Eigen::MatrixXd nearest_first(const Eigen::MatrixXd& points, const Eigen::MatrixXd& outputs) const;
+  /// Rows of outputs that are there, nearest to the mean test first.
+  std::vector<Eigen::Index> nearest_first(const Eigen::MatrixXd& outputs) const;
 
   const PriorOnScales& prior() const { return prior_; }
   double misfit(const Eigen::RowVectorXd& outputs) const {
@@ -60,10 +61,8 @@ class MeanSearch {
  private:
   const UpdatingProblem& problem() const { return region_.problem(); }
 
-  std::vector<Eigen::Index> finite_rows(const Eigen::MatrixXd& points);
-
   /// Those that get stuck go on with derivatives from there.
-  SpecimenFits fit(const Eigen::MatrixXd& points);
+  SpecimenFits fit(const Eigen::MatrixXd& points, const Eigen::MatrixXd& outputs);
 
   /// Ends beyond the bounds count where these hold them.
   void add(SpecimenFits fits);

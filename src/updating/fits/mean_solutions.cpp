@@ -38,9 +38,8 @@ MeanSolutions find_mean_solutions(const UpdatingProblem& problem, const Eigen::R
   }
   MeanSearch search(problem, target, settings, context, evaluations);
   search.descend_from_prior();
-  const Cloud::Valid valid = prior_cloud.valid();
-  const Eigen::MatrixXd nearest =
-      search.nearest_first(from_variables(problem.space.transforms(), valid.samples), valid.outputs);
+  const std::vector<Eigen::Index> nearest = search.nearest_first(prior_cloud.outputs);
+  const Eigen::MatrixXd samples = from_variables(problem.space.transforms(), prior_cloud.samples(nearest, Eigen::all));
   const Eigen::MatrixXd filling = space_filling(search.prior(), settings.starts, context.seed);
   Eigen::Index near_done = 0;
   Eigen::Index far_done = 0;
@@ -48,7 +47,7 @@ MeanSolutions find_mean_solutions(const UpdatingProblem& problem, const Eigen::R
     context.throw_if_stopped();
     const Eigen::Index count = std::min<Eigen::Index>(k_round, settings.starts - search.starts());
     const Eigen::MatrixXd far = rows_of(filling, far_done, count / 2);
-    const Eigen::MatrixXd near = rows_of(nearest, near_done, count - far.rows());
+    const Eigen::MatrixXd near = rows_of(samples, near_done, count - far.rows());
     if (near.rows() + far.rows() == 0) break;
     Eigen::MatrixXd round(near.rows() + far.rows(), filling.cols());
     round << near, far;

@@ -183,8 +183,10 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
                            const HoldingPopulation& population, const SpecimenStart& start, const RunContext& context,
                            std::int64_t& evaluations) {
   const ScaledParameters parameters(problem.space);
-  SpecimenFits fits{start.points, outputs_on_scales(problem, start.points, context, evaluations), start.jacobians,
-                    std::vector<bool>(static_cast<std::size_t>(values.rows()), false)};
+  const bool is_known = start.outputs.size() > 0;
+  SpecimenFits fits{start.points,
+                    is_known ? start.outputs : outputs_on_scales(problem, start.points, context, evaluations),
+                    start.jacobians, std::vector<bool>(static_cast<std::size_t>(values.rows()), false)};
   if (!fits.outputs.allFinite()) throw ModelFailure("the model fails where the fit of a specimen starts");
   if (fits.jacobians.empty()) differentiate(problem, parameters, context, evaluations, fits);
   HeldSearches held(values, population, parameters.standard_deviation(), start.tolerance, fits);

@@ -35,6 +35,7 @@ struct SpecimenStart {
   Eigen::MatrixXd points;                       ///< t [specimen x parameter]
   std::vector<Eigen::MatrixXd> jacobians = {};  ///< about right; empty: from differences there
   double tolerance = 1e-8;                      ///< a step below this, in prior standard deviations, is the last
+  Eigen::MatrixXd outputs = {};                 ///< f there; empty: it is evaluated [specimen x output]
 };
 
 /// Most probable parameters of every specimen,

@@ -11,9 +11,8 @@
 namespace mottle::updating {
 namespace {
 
-/// Points about the mean, those left out where the model fails [point x parameter].
-Eigen::MatrixXd points_about(const UpdatingProblem& problem, const HoldingPopulation& population,
-                             const RunContext& context, std::int64_t& evaluations) {
+/// Points about the mean [point x parameter].
+Eigen::MatrixXd points_about(const UpdatingProblem& problem, const HoldingPopulation& population) {
   constexpr double k_reach = 1.5;
   constexpr double k_least = 0.05;  // of the prior's deviations: an estimate may have no scatter
   const ScaledParameters parameters(problem.space);
@@ -28,12 +27,7 @@ Eigen::MatrixXd points_about(const UpdatingProblem& problem, const HoldingPopula
     points.row(i) = parameters.clamp(population.mean + reach.col(i)).transpose();
     points.row(q + i) = parameters.clamp(population.mean - reach.col(i)).transpose();
   }
-  const Eigen::MatrixXd outputs = outputs_on_scales(problem, points, context, evaluations);
-  std::vector<Eigen::Index> usable;
-  for (Eigen::Index k = 0; k < points.rows(); ++k) {
-    if (outputs.row(k).allFinite()) usable.push_back(k);
-  }
-  return points(usable, Eigen::all);
+  return points;
 }
 
 /// Those whose fit leaves more than four of five would by chance.
@@ -58,13 +52,20 @@ std::int64_t restart_specimens(const UpdatingProblem& problem, const Eigen::Ref<
   if (doubtful.empty()) return 0;
   const auto count = static_cast<Eigen::Index>(doubtful.size());
   const Eigen::MatrixXd own = values(doubtful, Eigen::all);
-  const Eigen::MatrixXd points = points_about(problem, population, context, evaluations);
+  const Eigen::MatrixXd points = points_about(problem, population);
+  const Eigen::MatrixXd outputs = outputs_on_scales(problem, points, context, evaluations);
+  const std::vector<Eigen::MatrixXd> jacobians =
+      scaled_jacobians(problem, ScaledParameters(problem.space), points, outputs, context, evaluations);
   std::vector<bool> is_better(doubtful.size(), false);
   for (Eigen::Index k = 0; k < points.rows(); ++k) {
+    const Eigen::MatrixXd& jacobian = jacobians[static_cast<std::size_t>(k)];
+    if (!outputs.row(k).allFinite() || !jacobian.allFinite()) continue;
+    const SpecimenStart start{points.row(k).replicate(count, 1),
+                              std::vector<Eigen::MatrixXd>(doubtful.size(), jacobian), tolerance,
+                              outputs.row(k).replicate(count, 1)};
     SpecimenFits again;
     try {
-      again = fit_specimens(problem, own, population, {points.row(k).replicate(count, 1), {}, tolerance}, context,
-                            evaluations);
+      again = fit_specimens(problem, own, population, start, context, evaluations);
     } catch (const ModelFailure&) {  // one of them leads to where the model fails
       continue;
     }

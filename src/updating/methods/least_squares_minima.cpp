@@ -77,7 +77,7 @@ Eigen::VectorXd start_at_lowest(const UpdatingProblem& problem, const LeastSquar
                                     .noise = variance,
                                     .variance = variance,
                                     .expected_residual = k_generous * static_cast<double>(left)};
-  const Eigen::VectorXd prior = problem.space.clamp(setup.start);
+  Eigen::VectorXd prior = problem.space.clamp(setup.start);
   if (problem.starts == 0) result.search = SolutionSearch{};
   if (problem.starts == 0 || context.stop_requested()) return prior;
   const MeanSolutions found = find_mean_solutions(problem, setup.target.transpose(), settings,
