@@ -81,7 +81,7 @@ struct StudyUpdate {
   double level = 0.05;
   double max_failed = 0.3;
   std::optional<int> starts = std::nullopt;  ///< of the search for all solutions; not given: none by runs of a program
-  bool is_diagonal = false;  ///< no two parameters are correlated in the population
+  bool is_diagonal = false;                  ///< no two parameters are correlated in the population
   /// Parameters that may be correlated with each other, those not named each alone; empty: all with all.
   std::vector<std::vector<std::string>> covariance_groups = {};
   std::map<std::string, OptionValues> method_options;  ///< by method; those not chosen are checked but not used
