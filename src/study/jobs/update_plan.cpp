@@ -70,9 +70,8 @@ UpdatePlan plan_update(const Study& study, const RunSettings& settings) {
   if (leaves_out_search(study, made)) {
     tests.notes.emplace_back(
         "Other solutions are not searched for, since each evaluation is a run of the program: the estimate may be a "
-        "local "
-        "minimum, and whether other parameters explain the tests as well is not known. update.starts states from how "
-        "many points to search; with a surrogate ([surrogate]) the search costs no runs.");
+        "local minimum, and whether other parameters explain the tests as well is not known. update.starts states from "
+        "how many points to search; with a surrogate ([surrogate]) the search costs no runs.");
   }
   UpdatePlan plan{std::move(made), std::move(tests), std::move(method), std::move(groups), std::nullopt};
   if (shows_few_samples(study, plan.made)) {

@@ -59,9 +59,14 @@ MeanSolutions find_mean_solutions(const UpdatingProblem& problem, const Eigen::R
   return search.result();
 }
 
+double generous_residual(const UpdatingProblem& problem) {
+  constexpr double k_generous = 10.0;
+  const Eigen::Index left = problem.tests.values.cols() - problem.space.count();
+  return k_generous * static_cast<double>(std::max<Eigen::Index>(left, 1));
+}
+
 MeanSearchSettings mean_search_settings(const UpdatingProblem& problem) {
   constexpr double k_hundredth = 0.01;
-  constexpr double k_generous = 10.0;  // for what the outputs' curvature adds
   const TestMoments tests = test_moments(problem.tests);
   const Eigen::VectorXd error = problem.tests.model_error_variance();
   const Eigen::VectorXd given = problem.tests.repeatability_std.cwiseAbs2();
@@ -76,8 +81,7 @@ MeanSearchSettings mean_search_settings(const UpdatingProblem& problem) {
     settings.variance(k) = std::max(settings.variance(k), given(k)) / count + error(k) + least;
     settings.noise(k) = settings.noise(k) / count + error(k);
   }
-  const auto left = static_cast<double>(std::max<Eigen::Index>(given.size() - problem.space.count(), 1));
-  if (is_known && !problem.tests.is_model_error_estimated) settings.expected_residual = k_generous * left;
+  if (is_known && !problem.tests.is_model_error_estimated) settings.expected_residual = generous_residual(problem);
   return settings;
 }
 

@@ -11,9 +11,9 @@
 namespace mottle::updating {
 
 struct MeanSearchSettings {
-  int starts = 64;           ///< most starting points; 0: the prior's mean alone
-  Eigen::VectorXd noise;     ///< R: variance of the mean test by its measurement alone [output]
-  Eigen::VectorXd variance;  ///< diagonal of M: the specimens' scatter included [output]
+  int starts = k_usual_starts;  ///< most starting points; 0: the prior's mean alone
+  Eigen::VectorXd noise;        ///< R: variance of the mean test by its measurement alone [output]
+  Eigen::VectorXd variance;     ///< diagonal of M: the specimens' scatter included [output]
   /// What a right model leaves of MeanSolution::residual, generously: until a solution leaves less, no start is spared.
   double expected_residual = std::numeric_limits<double>::infinity();
 };
@@ -57,6 +57,10 @@ struct MeanSolutions {
 MeanSolutions find_mean_solutions(const UpdatingProblem& problem, const Eigen::RowVectorXd& target,
                                   const MeanSearchSettings& settings, const Cloud& prior_cloud,
                                   const RunContext& context, std::int64_t& evaluations);
+
+/// 10 (p - q) for p outputs and q parameters, at least 10: what a right model leaves of the residual is chi-squared
+/// with p - q degrees of freedom, and what the outputs' curvature adds.
+double generous_residual(const UpdatingProblem& problem);
 
 /// R and M from the tests: repeatability, scatter, and the model's error where it is given; a measurement of unknown
 /// noise counts with the scatter, a single one with a hundredth of its value.

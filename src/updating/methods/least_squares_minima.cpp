@@ -70,13 +70,11 @@ void name_others(const LeastSquares& setup, const std::vector<Minimum>& minima, 
 
 Eigen::VectorXd start_at_lowest(const UpdatingProblem& problem, const LeastSquares& setup, const RunContext& context,
                                 UpdatingResult& result) {
-  constexpr double k_generous = 10.0;
-  const Eigen::Index left = std::max<Eigen::Index>(setup.target.size() - setup.start.size(), 1);
   const Eigen::VectorXd variance = setup.weight.cwiseInverse();
   const MeanSearchSettings settings{.starts = problem.starts,
                                     .noise = variance,
                                     .variance = variance,
-                                    .expected_residual = k_generous * static_cast<double>(left)};
+                                    .expected_residual = generous_residual(problem)};
   Eigen::VectorXd prior = problem.space.clamp(setup.start);
   if (problem.starts == 0) result.search = SolutionSearch{};
   if (problem.starts == 0 || context.stop_requested()) return prior;

@@ -79,12 +79,10 @@ UpdatingResult MaximumLikelihoodUpdater::update(const UpdatingProblem& problem, 
     return result;
   }
   begin_iteration(problem, 1, context);
+  const auto record = record_iterations(problem, tests, context, result);
   const auto follow = [&](const PopulationFit& now) {
-    append_state(result, linear_record(problem, now, tests));
     if (context.stop_requested()) result.status = UpdatingStatus::stopped;
-    const bool goes_on = !context.stop_requested() && !now.converged && now.iterations < problem.iterations;
-    if (goes_on) begin_iteration(problem, now.iterations + 1, context);
-    return !context.stop_requested();
+    return record(now);
   };
   const SolvedPopulation solved =
       solve_population(problem, settings, result.history.front().cloud, context, follow, result.model_evaluations);

@@ -229,14 +229,9 @@ UpdatingResult MixtureUpdater::update(const UpdatingProblem& given, const RunCon
   result.message = "stopped on request before the first iteration";
   if (context.stop_requested()) return result;
   begin_iteration(problem, 1, context);
-  const auto follow = [&](const PopulationFit& now) {
-    append_state(result, linear_record(problem, now, tests));
-    const bool goes_on = !context.stop_requested() && !now.converged && now.iterations < problem.iterations;
-    if (goes_on) begin_iteration(problem, now.iterations + 1, context);
-    return !context.stop_requested();
-  };
   const SolvedPopulation solved =
-      solve_population(problem, settings, result.history.front().cloud, context, follow, result.model_evaluations);
+      solve_population(problem, settings, result.history.front().cloud, context,
+                       record_iterations(problem, tests, context, result), result.model_evaluations);
   const PopulationFit& one = solved.best();
   result.message = "stopped on request before batches were looked for";
   if (context.stop_requested()) return result;

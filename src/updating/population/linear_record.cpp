@@ -15,4 +15,14 @@ IterationRecord linear_record(const UpdatingProblem& problem, const PopulationFi
   return record;
 }
 
+std::function<bool(const PopulationFit&)> record_iterations(const UpdatingProblem& problem, const TestMoments& tests,
+                                                            const RunContext& context, UpdatingResult& result) {
+  return [&](const PopulationFit& now) {
+    append_state(result, linear_record(problem, now, tests));
+    const bool goes_on = !context.stop_requested() && !now.converged && now.iterations < problem.iterations;
+    if (goes_on) begin_iteration(problem, now.iterations + 1, context);
+    return !context.stop_requested();
+  };
+}
+
 }  // namespace mottle::updating

@@ -60,8 +60,8 @@ PopulationSolution fit_about(const UpdatingProblem& problem, const PopulationFit
   PopulationSolution solution{
       .mean = mean, .fit = fit_population(problem, problem.tests.values, settings_from(settings, mean), context, each)};
   evaluations += solution.fit.evaluations;
-  solution.log_likelihood = plain_log_likelihood(solution.fit);
-  solution.log_weight = solution.log_likelihood + prior_log_density(prior_on_scales(problem.space), solution.fit.mean);
+  solution.log_weight =
+      plain_log_likelihood(solution.fit) + prior_log_density(prior_on_scales(problem.space), solution.fit.mean);
   return solution;
 }
 

@@ -15,8 +15,8 @@ namespace mottle::updating {
 struct PopulationSolution {
   MeanSolution mean;
   PopulationFit fit;
-  double log_likelihood = 0.0;  ///< of the linearised problem, plain, constants left out
-  double log_weight = 0.0;      ///< and of the prior at the population's mean
+  double log_weight = 0.0;  ///< plain log-likelihood of the linearised problem, and log-density of the prior at the
+                            ///< mean; constants are left out
 };
 
 struct SolvedPopulation {

@@ -25,7 +25,7 @@ void say_what_is_open(const UpdatingResult& result, Verdict& verdict) {
   if (result.search && result.search->starts > 0 && !result.search->is_settled) {
     verdict.not_tested.push_back(fmt::format(
         "Whether further parameters explain the tests was not decided: the search for solutions ended after {} starts "
-        "and had met some of them only once. Give it more (update.starts).",
+        "and had met some of them only once. Give it more starts (update.starts).",
         result.search->starts));
   }
 }

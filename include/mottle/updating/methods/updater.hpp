@@ -47,6 +47,7 @@ struct TestData {
   bool has_model_error() const { return is_model_error_estimated || !model_error_std.isZero(0.0); }
 };
 
+/// Of the search for all solutions: see UpdatingProblem::starts.
 inline constexpr int k_usual_starts = 64;
 
 /// One updating problem. What it refers to must outlive it.
