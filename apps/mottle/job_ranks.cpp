@@ -86,6 +86,15 @@ void require_one_verb(Ranks& ranks, const std::string& verb) {
   }
 }
 
+/// A launcher ends the others where one fails: the first rank, which meets the same error, is to say it before. It may
+/// come to that late on a busy machine; the launcher ends this process once it has.
+void let_first_rank_speak() {
+  constexpr std::chrono::seconds k_patience{10};
+  constexpr std::chrono::milliseconds k_pause{50};
+  const auto end = std::chrono::steady_clock::now() + k_patience;
+  while (std::chrono::steady_clock::now() < end && !stop_flag()) std::this_thread::sleep_for(k_pause);
+}
+
 /// All ranks use the instructions that each of them has, and need the same kernels of BLAS.
 void use_common_instructions(Ranks& ranks) {
   const SimdLevel own = is_simd_level_available(SimdLevel::avx512) ? SimdLevel::avx512
@@ -138,8 +147,7 @@ Ranks* join_job(const std::string& verb) {
 
 RankEnd end_job(const RankEnd& own) {
   if (joined() == nullptr) {
-    // A launcher ends the others where one fails: the first rank, which meets the same error, is to say it before.
-    if (is_silent_rank() && own.code != 0) std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    if (is_silent_rank() && own.code != 0) let_first_rank_speak();
     return own;
   }
   no_longer_stop();

@@ -297,6 +297,7 @@ JOBS = {"updates": lambda: update(frequencies, samples=20, iterations=2), "krigi
 def test_a_fork_in_the_middle_of_jobs_of_other_threads(kind):
     stop = threading.Event()
     job = JOBS[kind]
+    job()  # imports what it needs: a child forked in the middle of another thread's import waits for it, in any program
 
     def work():
         while not stop.is_set():
