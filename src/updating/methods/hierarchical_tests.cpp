@@ -7,6 +7,7 @@
 #include "updating/methods/mean_limits.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/population_report.hpp"
+#include "updating/verdict/cloud_agreement.hpp"
 #include "updating/verdict/scatter_tests.hpp"
 
 namespace mottle::updating {
@@ -82,9 +83,10 @@ void test_hierarchical(const HierarchicalFindings& findings, const PopulationFit
                         "[test] repeatability.");
   }
   const TestMoments tests = test_moments(problem.tests);
-  plan.add(cloud_agreement_test(
-      tests.covariance.diagonal(), result.history.back().output_covariance.diagonal() + fit.noise,
-      counts_with_scatter(tests), std::vector<bool>(problem.model.outputs().size(), true), output_names(problem)));
+  const IterationRecord& last = result.history.back();
+  plan.add(cloud_agreement_test({tests.covariance.diagonal(), last.output_covariance.diagonal() + fit.noise,
+                                 last.cloud.valid().outputs, counts_with_scatter(tests),
+                                 std::vector<bool>(problem.model.outputs().size(), true), output_names(problem)}));
   plan_bound_test(problem, free_mean(problem, fit), plan);
   plan_prior_shift(problem, fit.mean, sample_covariance(means_of(findings.draws)), plan);
   plan.make(problem.level, result);

@@ -11,6 +11,7 @@
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/least_change.hpp"
 #include "updating/population/specimen_residuals.hpp"
+#include "updating/verdict/cloud_agreement.hpp"
 #include "updating/verdict/scatter_tests.hpp"
 
 namespace mottle::updating {
@@ -200,8 +201,8 @@ void plan_cloud_agreement(const Comparison& c, TestPlan& plan) {
   }
   std::vector<bool> is_whole;
   for (const double sigma : noise) is_whole.push_back(sigma > 0.0);
-  plan.add(cloud_agreement_test(c.tests.covariance.diagonal(), model, counts_with_scatter(c.tests), is_whole,
-                                output_names(c.problem)));
+  plan.add(cloud_agreement_test({c.tests.covariance.diagonal(), model, c.state.cloud.valid().outputs,
+                                 counts_with_scatter(c.tests), is_whole, output_names(c.problem)}));
 }
 
 /// The output whose scatter in the cloud differs most from that of the tests.

@@ -9,6 +9,7 @@
 #include "updating/methods/mean_limits.hpp"
 #include "updating/population/population_report.hpp"
 #include "updating/population/specimen_residuals.hpp"
+#include "updating/verdict/cloud_agreement.hpp"
 #include "updating/verdict/scatter_tests.hpp"
 
 namespace mottle::updating {
@@ -158,9 +159,10 @@ void plan_cloud_agreement(const UpdatingProblem& problem, const PopulationFit& f
   const TestMoments tests = test_moments(problem.tests);
   std::vector<bool> is_whole;
   for (const double variance : fit.noise) is_whole.push_back(variance > 0.0);
-  plan.add(cloud_agreement_test(tests.covariance.diagonal(),
-                                result.history.back().output_covariance.diagonal() + fit.noise,
-                                counts_with_scatter(tests), is_whole, output_names(problem)));
+  const IterationRecord& last = result.history.back();
+  plan.add(
+      cloud_agreement_test({tests.covariance.diagonal(), last.output_covariance.diagonal() + fit.noise,
+                            last.cloud.valid().outputs, counts_with_scatter(tests), is_whole, output_names(problem)}));
 }
 
 MeanResiduals residuals_of(const UpdatingProblem& problem, const PopulationFit& fit, const RunContext& context,

@@ -156,38 +156,4 @@ Eigen::VectorXi counts_with_scatter(const TestMoments& tests) {
   return (tests.covariance.diagonal().array() > digits).select(tests.count, 0);
 }
 
-PlannedTest cloud_agreement_test(const Eigen::Ref<const Eigen::VectorXd>& tested,
-                                 const Eigen::Ref<const Eigen::VectorXd>& model,
-                                 const Eigen::Ref<const Eigen::VectorXi>& count, const std::vector<bool>& is_whole,
-                                 const std::vector<std::string>& names) {
-  double smallest_p = 1.0;
-  Eigen::Index worst = 0;
-  for (Eigen::Index k = 0; k < tested.size(); ++k) {
-    if (count(k) < 2 || !(model(k) > 0.0)) continue;
-    const double degrees_of_freedom = count(k) - 1;
-    const double above = chi_squared_upper_tail(degrees_of_freedom * tested(k) / model(k), degrees_of_freedom);
-    const double below = 1.0 - above;
-    const double p = is_whole[static_cast<std::size_t>(k)] ? 2.0 * std::min(above, below) : below;
-    if (p < smallest_p) {
-      smallest_p = p;
-      worst = k;
-    }
-  }
-  const auto outputs = static_cast<double>(tested.size());
-  const auto as_normal = [](double p) {
-    constexpr double k_min = 1e-15;  // quantiles of the normal distribution beyond would be infinite
-    return -standard_normal_quantile(0.5 * std::max(p, k_min));
-  };
-  return {.name = "scatter-agreement",
-          .statistic = std::max(as_normal(smallest_p), 0.0),
-          .p_value = -std::expm1(outputs * std::log1p(-std::min(smallest_p, 1.0 - 1e-16))),
-          .critical = [=](double level) { return as_normal(-std::expm1(std::log1p(-level) / outputs)); },
-          .meaning = fmt::format(
-              "Variances of {} outputs: does the updated model's cloud have the scatter of the tests? The standard "
-              "deviation of {} differs most, {:.3g} times that of the tests (in standard normal deviates).",
-              tested.size(), names[static_cast<std::size_t>(worst)], std::sqrt(model(worst) / tested(worst))),
-          .share = 0.25,
-          .is_listed_where_it_passes = false};
-}
-
 }  // namespace mottle::updating

@@ -1,4 +1,4 @@
-// Tests of the scatter: of what no parameter explains, and of the updated model's cloud against the tests.
+// Tests of the scatter that no parameter explains.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,19 +44,5 @@ PlannedTest sphericity_test(const Eigen::Ref<const Eigen::MatrixXd>& scatter, do
 /// Specimens that have each output, 0 of an output that does not scatter among them beyond the last digits of its
 /// values: how much it does by itself is then not known.
 Eigen::VectorXi counts_with_scatter(const TestMoments& tests);
-
-/// Whether the variance of each output in the updated model is that of the tests: the most unlikely of their ratios,
-/// each against chi-squared. The variance that was fitted is not taken off the sampling variance, so that it refuses a
-/// right model more seldom than its level; it sees where a cloud cannot have the scatter that the estimate was to give
-/// it, by curvature or by scatter that has a least value. It takes a quarter of a test's share of the level.
-///
-/// @param tested    variance of each output among the tests [output]
-/// @param model     the same of the updated model with the noise that is known [output]
-/// @param count     specimens that have the output; fewer than two: it is not tested [output]
-/// @param is_whole  the noise is part of `model`; else it may scatter less than the tests [output]
-PlannedTest cloud_agreement_test(const Eigen::Ref<const Eigen::VectorXd>& tested,
-                                 const Eigen::Ref<const Eigen::VectorXd>& model,
-                                 const Eigen::Ref<const Eigen::VectorXi>& count, const std::vector<bool>& is_whole,
-                                 const std::vector<std::string>& names);
 
 }  // namespace mottle::updating
