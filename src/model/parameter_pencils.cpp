@@ -88,7 +88,9 @@ class SparseParameterPencils final : public ParameterPencils {
     constexpr double k_solver_error = 1e-9;  // ten times the tolerance that the solver is given
     constexpr double k_rounding = 1e-14;     // of the entries' sums over elements
     const SparseStructure::Matrices matrices{sum(stiffness_, stiffness), sum(mass_, mass)};
-    const SparseModes solved = pool_.solve(matrices, {.modes = modes, .counts_below = true});
+    const SparseModes solved = pool_.solve(
+        matrices,
+        {.modes = modes, .counts_below = true, .is_mass_semidefinite = indefinite.empty() && mass.minCoeff() >= 0.0});
     if (!solved.failure.empty() || solved.values.size() < modes || !solved.is_complete()) {
       const Eigen::VectorXd none = Eigen::VectorXd::Constant(modes, std::numeric_limits<double>::quiet_NaN());
       return {none, none};

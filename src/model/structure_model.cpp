@@ -122,6 +122,13 @@ void StructureModel::complete_request(const std::vector<int>& degrees_of_freedom
 ModeSet StructureModel::sound_modes_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   ModeSet modes = solver_->modes_at(parameters, request_.modes);
   const Eigen::VectorXd& values = modes.eigenvalues;
+  if (values.size() >= highest_mode() && !values.allFinite()) {
+    solver_->solve(parameters.transpose(), {.modes = request_.modes}, {},
+                   [](Eigen::Index, const Solution&, const std::string& failure) {
+                     require_of(failure.empty(), {Subject::Kind::model}, "it has no modes at the parameters' means: {}",
+                                failure);
+                   });
+  }
   require_of(values.size() >= highest_mode() && values.allFinite(), {Subject::Kind::model},
              "it has no modes at the parameters' means: the mass matrix is not positive definite there");
   require_of(

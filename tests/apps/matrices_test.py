@@ -105,6 +105,26 @@ class MatricesTest(support.CommandTest):
         self.write("data/K1.mtx", "%%MatrixMarket matrix coordinate real symmetric\n40 40 1\n41 1 1.0\n")
         self.assertIn("K1.mtx:3: entry (41, 1) is outside", self.call("check", "study.toml").err)
 
+    def test_samples_with_an_indefinite_mass_fail_and_name_the_row(self):
+        # The last ten masses are 1 - 0.8 m: negative above m = 1.25.
+        self.write("data/M1.mtx", market([(k, k, 0.2 if k <= 30 else -0.8) for k in range(1, MASSES + 1)]))
+        moved = edited(STUDY, ('nominal = 2.0 },\n]', 'nominal = 2.0 },\n  { name = "moved", mass = "data/M1.mtx" },\n]'),
+                       ("[outputs]", '[[parameter]]\nname = "m"\ntarget = "M:moved"\n'
+                        'distribution = { kind = "uniform", lower = 0.1, upper = 1.6 }\n[outputs]'))
+        self.write("moved.toml", moved)
+        self.write("points.csv", "k,m\n2.0,0.5\n2.0,1.2\n2.0,1.3\n2.0,1.5\n" + 4 * "2.0,1.0\n")
+        self.succeed("propagate", "moved.toml", "--points", "points.csv", "--out", "out")
+        header, rows = read_csv(self.folder / "out" / "cloud.csv")
+        status = [row[header.index("status")] for row in rows]
+        self.assertEqual(status[:2], ["ok", "ok"])
+        for text, value in zip(status[2:4], ("-0.04", "-0.2")):
+            self.assertEqual(text, f"the mass matrix is not positive semidefinite: the diagonal entry of row 31:+X is {value}")
+        self.assertEqual([row[header.index("f1")] for row in rows[2:4]], ["", ""])
+        self.write("moved.toml", edited(moved, ("lower = 0.1", "lower = 1.4")))  # mean 1.5
+        ended = self.call("check", "moved.toml")
+        self.assertEqual(ended.code, 2, ended.out)
+        self.assertIn("the diagonal entry of row 31:+X is -0.2", ended.err)
+
 
 if __name__ == "__main__":
     support.main()

@@ -136,7 +136,8 @@ TEST(StructureModel, AnUnstableSampleIsAFailureWithItsReason) {
 }
 
 TEST(StructureModel, ASampleWithoutMassIsAFailureWithItsReason) {
-  EXPECT_THAT(failure_at(damped_mass(), Eigen::RowVector3d(1.0, -1.0, 0.1)), HasSubstr("not positive definite"));
+  EXPECT_THAT(failure_at(damped_mass(), Eigen::RowVector3d(1.0, -1.0, 0.1)),
+              HasSubstr("not positive semidefinite: the diagonal entry of row m is -1"));
   EXPECT_THAT(failure_at(damped_mass(), Eigen::RowVector3d(1.0, 0.0, 0.1)), HasSubstr("not positive definite"));
 }
 
@@ -205,7 +206,7 @@ TEST(StructureModel, RefusesAReferenceWithoutMass) {
                 StructureModel(separate(test::three_mass_system(), one_each({"mass:m1"})), {.frequencies = {1}},
                                Eigen::VectorXd::Constant(1, -1.0));
               }),
-              HasSubstr("not positive definite"));
+              HasSubstr("not positive semidefinite: the diagonal entry of row m1 is -1"));
 }
 
 }  // namespace

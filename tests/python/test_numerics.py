@@ -51,6 +51,17 @@ def test_eigsh_refuses_what_it_cannot_take():
             mottle.eigsh(*arguments)
 
 
+def test_eigsh_refuses_an_indefinite_mass():
+    stiffness, _ = chain(50)
+    masses = np.ones(50)
+    masses[40:] = -0.04
+    with pytest.raises(mottle.InvalidInput, match=r"the diagonal entry of row 40 \(counted from 0\) is -0.04"):
+        mottle.eigsh(stiffness, sparse.diags(masses), 3)
+    coupled = sparse.diags([np.full(49, 0.6), np.ones(50), np.full(49, 0.6)], [-1, 0, 1])  # lowest eigenvalue 1 - 1.2 cos(pi / 51)
+    with pytest.raises(mottle.InvalidInput, match="the mass matrix is not positive semidefinite: the pivot of row"):
+        mottle.eigsh(stiffness, coupled, 3)
+
+
 def test_mac_and_assignment():
     rng = np.random.default_rng(2)
     a, b = rng.normal(size=(30, 5)), rng.normal(size=(30, 7))

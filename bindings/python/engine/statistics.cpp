@@ -21,6 +21,9 @@ py::tuple modes_of(const SparseMatrix& stiffness, const SparseMatrix& mass, int 
             stiffness, mass,
             {.modes = count, .tolerance = tolerance, .counts_below = counts, .measures = false, .stop = stop});
       });
+  if (modes.negative_mass) {
+    throw InvalidInput(describe(*modes.negative_mass, fmt::format("{} (counted from 0)", modes.negative_mass->row)));
+  }
   if (!modes.failure.empty()) throw SystemFailure("the modes were not found: " + modes.failure);
   if (!modes.is_complete()) {
     throw SystemFailure(fmt::format("{} modes were found, but {} eigenvalues lie below {} by the inertia of K - s M",

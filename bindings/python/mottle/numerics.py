@@ -29,6 +29,9 @@ def eigsh(
 
     Returns:
         Eigenvalues, ascending [mode], and vectors with x' M x = 1 [row x mode].
+
+    Raises:
+        InvalidInput: M is not positive semi-definite; the message names a row.
     """
     lower = [_sparse.lower(stiffness, "stiffness"), _sparse.lower(mass, "mass", stiffness.shape[0])]
     _checks.whole(k, "k", 1, stiffness.shape[0])

@@ -131,7 +131,8 @@ void add_terms(const ElementStore& store, ElementPiece::Kind kind, SeparableMatr
       store.terms(), [&](const TermName& name) { return name.kind == kind && !name.coefficient.empty(); });
   for (std::size_t t = 0; t < pieces_of.size(); ++t) {
     if (store.terms()[t].kind != kind) continue;
-    bool is_definite = varies && kind != ElementPiece::Kind::damping;  // asked for by nobody else
+    // Asked for by nobody else: of a constant mass by the eigensolver.
+    bool is_definite = kind == ElementPiece::Kind::mass || (varies && kind == ElementPiece::Kind::stiffness);
     for (const auto& [e, k] : pieces_of[t]) {
       const int* numbers = store.equations(elements[e]);
       const StoredPiece& piece = store.piece(elements[e], k);

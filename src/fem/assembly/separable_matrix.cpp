@@ -19,32 +19,17 @@ double coefficient_of(const SeparableMatrix::Term& term, const Eigen::Ref<const 
   return coefficient;
 }
 
-/// One term as a matrix without entries that are not its own.
-SparseMatrix matrix_of(const SparseMatrix& pattern, const SeparableMatrix::Term& term) {
-  SparseMatrix matrix(pattern.rows(), pattern.cols());
-  matrix.reserve(static_cast<Eigen::Index>(term.positions.size()));
-  std::size_t k = 0;
-  for (Eigen::Index column = 0; column < pattern.cols(); ++column) {
-    matrix.startVec(column);
-    for (; k < term.positions.size() && term.positions[k] < pattern.outerIndexPtr()[column + 1]; ++k) {
-      matrix.insertBackByOuterInner(column, pattern.innerIndexPtr()[term.positions[k]]) = term.values[k];
-    }
-  }
-  matrix.finalize();
-  return matrix;
-}
-
 void split(const SeparableMatrix& sum, SparseMatrix& constant, std::vector<SparseMatrix>& terms,
            std::vector<bool>& is_semidefinite) {
   constant = SparseMatrix(sum.pattern.rows(), sum.pattern.cols());
   is_semidefinite.assign(1, true);
   for (const SeparableMatrix::Term& term : sum.terms) {
     if (term.coefficient.empty()) {
-      constant = matrix_of(sum.pattern, term);
+      constant = sum.matrix_of(term);
       is_semidefinite[0] = term.is_semidefinite;
     } else {
       is_semidefinite.push_back(term.is_semidefinite);
-      terms.push_back(matrix_of(sum.pattern, term));
+      terms.push_back(sum.matrix_of(term));
     }
   }
 }
@@ -68,6 +53,27 @@ SparseMatrix SeparableMatrix::at(const Eigen::Ref<const Eigen::VectorXd>& parame
   SparseMatrix sum = pattern;
   for (const Term& term : terms) add_term(sum, term, coefficient_of(term, parameters));
   return sum;
+}
+
+SparseMatrix SeparableMatrix::matrix_of(const Term& term) const {
+  SparseMatrix matrix(pattern.rows(), pattern.cols());
+  matrix.reserve(static_cast<Eigen::Index>(term.positions.size()));
+  std::size_t k = 0;
+  for (Eigen::Index column = 0; column < pattern.cols(); ++column) {
+    matrix.startVec(column);
+    for (; k < term.positions.size() && term.positions[k] < pattern.outerIndexPtr()[column + 1]; ++k) {
+      matrix.insertBackByOuterInner(column, pattern.innerIndexPtr()[term.positions[k]]) = term.values[k];
+    }
+  }
+  matrix.finalize();
+  return matrix;
+}
+
+bool SeparableMatrix::is_semidefinite_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  return std::ranges::all_of(terms, [&](const Term& term) {
+    const double coefficient = coefficient_of(term, parameters);
+    return coefficient == 0.0 || (coefficient > 0.0 && term.is_semidefinite);
+  });
 }
 
 SparseMatrix SeparableMatrix::derivative(const Eigen::Ref<const Eigen::VectorXd>& parameters, int parameter) const {

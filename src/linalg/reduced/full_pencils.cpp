@@ -104,6 +104,14 @@ bool is_known(const std::vector<bool>& is_semidefinite, Eigen::Index term) {
   return t < is_semidefinite.size() && is_semidefinite[t];
 }
 
+/// Whether M is known to be semidefinite at these coefficients, the constant's first.
+bool is_mass_known(const PencilTerms& terms, const Eigen::VectorXd& coefficients) {
+  for (Eigen::Index t = 0; t < coefficients.size(); ++t) {
+    if (!(coefficients(t) >= 0.0 && is_known(terms.is_mass_semidefinite, t))) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nominal, const SparseMatrix& nominal_k,
@@ -113,9 +121,11 @@ FullPencils::FullPencils(const PencilTerms& terms, const TermCoefficients& nomin
   constexpr int k_more_modes = 4;  // raise the bound for modes orthogonal to the basis, see ReferencePencil
   // The modes need not be exact: they are the first vectors of the basis only.
   const std::clock_t begin = std::clock();
-  SparseModes found =
-      solver_.solve(nominal_k, nominal_m,
-                    {.modes = options.modes + k_guard_modes + k_more_modes, .tolerance = 1e-3, .measures = false});
+  SparseModes found = solver_.solve(nominal_k, nominal_m,
+                                    {.modes = options.modes + k_guard_modes + k_more_modes,
+                                     .tolerance = 1e-3,
+                                     .measures = false,
+                                     .is_mass_semidefinite = is_mass_known(terms, nominal_mass)});
   exact_seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   require(found.failure.empty() && found.values.size() > 0, "the nominal model has no modes: {}", found.failure);
   shift = found.shift;

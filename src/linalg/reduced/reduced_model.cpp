@@ -204,6 +204,7 @@ ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients&
   const Eigen::Index modes = solved_modes();
   const Eigen::Index wanted = converged_modes();
   const Eigen::VectorXd ratios = full->stiffness_lower_ratios(samples);
+  const Eigen::VectorXd masses = full->mass_lower_ratios(samples);  // below zero: M may be indefinite
   SketchedModes found = reduced_modes(samples, ratios, is_training ? k_inside_training : k_inside, threads);
   Solution result{std::move(found.modes.values), std::move(found.modes.vectors),
                   Eigen::MatrixXd::Constant(wanted, samples.samples(), k_infinite), std::move(found.residuals)};
@@ -214,7 +215,8 @@ ReducedModel::Parts::Solution ReducedModel::Parts::solve(const TermCoefficients&
       auto residuals = result.residuals.middleCols(s * modes, modes);
       const auto lambda = result.values.col(s);
       const Eigen::VectorXd mu = lambda.array() - full->shift;
-      if (found.modes.failed[static_cast<std::size_t>(s)] != 0 || !(ratios(s) > 0.0) || !(mu(0) > 0.0)) {
+      if (found.modes.failed[static_cast<std::size_t>(s)] != 0 || !(ratios(s) > 0.0) || !(masses(s) >= 0.0) ||
+          !(mu(0) > 0.0)) {
         residuals.setZero();
         continue;
       }

@@ -64,6 +64,9 @@ struct FullPencils : NominalFacts {
   Eigen::VectorXd stiffness_lower_ratios(const TermCoefficients& samples) const;
   /// beta: a sample's mass <= beta times the nominal one; infinity where nothing is known [sample].
   Eigen::VectorXd mass_upper_ratios(const TermCoefficients& samples) const;
+  /// A sample's mass >= this times the nominal one, and semidefinite where it is not negative; -infinity where nothing
+  /// is known [sample].
+  Eigen::VectorXd mass_lower_ratios(const TermCoefficients& samples) const;
   /// Whether a term is not proven to be positive semidefinite.
   bool has_indefinite_terms() const;
 

@@ -50,6 +50,17 @@ Eigen::VectorXd FullPencils::mass_upper_ratios(const TermCoefficients& samples) 
   return result;
 }
 
+Eigen::VectorXd FullPencils::mass_lower_ratios(const TermCoefficients& samples) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Ones(samples.samples());
+  if (samples.mass.rows() == 0) return result;
+  Eigen::VectorXd values = nominal_mass;
+  for (Eigen::Index s = 0; s < result.size(); ++s) {
+    values.tail(samples.mass.rows()) = samples.mass.col(s);
+    result(s) = lower_ratio(values, nominal_mass, mass_bounds);
+  }
+  return result;
+}
+
 Eigen::VectorXd FullPencils::stiffness_lower_ratios(const TermCoefficients& samples) const {
   // The shifted mass is one term more: between zero and its share of A, its value a bound of M(s) against M.
   const Eigen::Index terms = nominal_stiffness.size();
@@ -58,13 +69,11 @@ Eigen::VectorXd FullPencils::stiffness_lower_ratios(const TermCoefficients& samp
   Eigen::VectorXd reference(terms + 1), values(terms + 1);
   reference << nominal_stiffness, 1.0;
   values = reference;
-  Eigen::VectorXd masses = nominal_mass, result(samples.samples());
+  const Eigen::VectorXd masses = mass_lower_ratios(samples);
+  Eigen::VectorXd result(samples.samples());
   for (Eigen::Index s = 0; s < result.size(); ++s) {
     values.segment(1, terms - 1) = samples.stiffness.col(s);
-    if (samples.mass.rows() > 0) {
-      masses.tail(samples.mass.rows()) = samples.mass.col(s);
-      values(terms) = lower_ratio(masses, nominal_mass, mass_bounds);
-    }
+    values(terms) = masses(s);
     result(s) = lower_ratio(values, reference, bounds);
   }
   return result;
@@ -128,8 +137,12 @@ void ReducedModel::Parts::add_reference_below(const TermCoefficients& samples, i
     if (unsafe <= k_left_out * static_cast<double>(samples.samples())) return;
     if (basis.cols() + modes > options.max_vectors) return;
     SparseModeSolver solver;
-    const SparseModes found = solver.solve(full->stiffness_at(softest), full->mass_at(heaviest),
-                                           {.modes = static_cast<int>(modes), .tolerance = 1e-4, .measures = false});
+    const SparseModes found = solver.solve(
+        full->stiffness_at(softest), full->mass_at(heaviest),
+        {.modes = static_cast<int>(modes),
+         .tolerance = 1e-4,
+         .measures = false,
+         .is_mass_semidefinite = heaviest.minCoeff() >= 0.0 && full->mass_bounds.col(0).minCoeff() >= 0.0});
     if (!found.failure.empty() || found.values.size() == 0) return;
     add_reference_pencil({softest, heaviest, found.values(found.values.size() - 1)}, found.vectors, threads);
   }

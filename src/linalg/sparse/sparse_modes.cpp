@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -216,6 +217,14 @@ SparseModes SparseModeSolver::solve(const SparseMatrix& stiffness, const SparseM
   const auto begin = std::chrono::steady_clock::now();
   result.shift = factors_->factorise_below(stiffness, mass);
   result.factor_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (!options.is_mass_semidefinite) {
+    result.negative_mass = find_negative_mass(stiffness, mass, factors_->definite->order());
+  }
+  if (result.negative_mass) {
+    result.failed_row = result.negative_mass->row;
+    result.failure = describe(*result.negative_mass, std::to_string(result.failed_row + 1));
+    return result;
+  }
   if (result.shift == 0.0) {
     result.failure = "the stiffness is not positive semidefinite, or a part can move without stiffness and mass";
     result.failed_row = factors_->definite->failed_column();

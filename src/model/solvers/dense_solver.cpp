@@ -12,6 +12,7 @@
 #include "mottle/linalg/batched/dense_modes.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/linalg/dense/products.hpp"
+#include "mottle/linalg/sparse/negative_mass.hpp"
 
 namespace mottle::model {
 namespace {
@@ -107,6 +108,18 @@ SolverUse DenseSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& samples, c
   return {};
 }
 
+std::string DenseSolver::failure_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
+  const AffineStructure& matrices = structure_.matrices();
+  const auto lower = [&](const AffineMatrix& matrix) -> SparseMatrix {
+    const Eigen::MatrixXd full = matrix.at(parameters).triangularView<Eigen::Lower>();
+    return full.sparseView();
+  };
+  const auto negative = find_negative_mass(lower(matrices.stiffness), lower(matrices.mass));
+  if (!negative)
+    return "the eigenproblem has no solution: the mass matrix is not positive definite or a value is not finite";
+  return describe(*negative, matrices.degree_of_freedom_names[static_cast<std::size_t>(negative->row)]);
+}
+
 /// So many that they take about a tenth of a second, by measured times of this solver with shapes; full lanes.
 std::int64_t DenseSolver::samples_of_piece(const SolutionRequest& request) const {
   constexpr double k_piece_s = 0.1;
@@ -134,8 +147,7 @@ void DenseSolver::solve_part(const Eigen::Ref<const Eigen::MatrixXd>& samples, c
       if (request.modes > 0) {
         solution.eigenvalues = batch.values.col(s);
         if (!solution.eigenvalues.allFinite()) {
-          visit(s, solution,
-                "the eigenproblem has no solution: the mass matrix is not positive definite or a value is not finite");
+          visit(s, solution, failure_at(samples.row(s).transpose()));
           continue;
         }
         if (request.needs_shapes())

@@ -100,12 +100,18 @@ ExactSolver::ExactSolver(std::unique_ptr<const SparseStructure> structure)
 
 SparseModes ExactSolver::solve_one(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                                    const SparseModesOptions& options) const {
-  return pool_.solve(structure_->matrices_at(parameters), options);
+  return solve_matrices(structure_->matrices_at(parameters), options);
+}
+
+SparseModes ExactSolver::solve_matrices(const SparseStructure::Matrices& matrices, SparseModesOptions options) const {
+  options.is_mass_semidefinite = matrices.is_mass_semidefinite;
+  return pool_.solve(matrices, options);
 }
 
 std::string ExactSolver::failure_text(const SparseModes& modes) const {
   if (modes.failed_row < 0) return modes.failure;
   const std::string place = structure_->equation_name(modes.failed_row);
+  if (modes.negative_mass) return describe(*modes.negative_mass, place);
   const bool turns_freely = modes.is_massless && place.find("+R") != std::string::npos;
   return fmt::format("{} (first seen at {}{})", modes.failure, place,
                      turns_freely ? ", a rotation without inertia: bars, for example, have none about their own axis, "
@@ -159,7 +165,7 @@ std::string ExactSolver::solve_row(const Eigen::VectorXd& parameters, const Solu
                                    Solution& solution) const {
   const SparseStructure::Matrices matrices = structure_->matrices_at(parameters);
   if (request.modes > 0) {
-    const SparseModes solved = pool_.solve(matrices, {.modes = request.modes, .measures = false});
+    const SparseModes solved = solve_matrices(matrices, {.modes = request.modes, .measures = false});
     if (std::string failure = failure_text(solved); !failure.empty()) return failure;
     solution = observe(solved.values, solved.vectors, request);
   }

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
+#include "mottle/core/error.hpp"
 #include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/fem/assembly/mass_properties.hpp"
 #include "mottle/fem/assembly/static_reduction.hpp"
+#include "mottle/linalg/sparse/negative_mass.hpp"
 
 namespace mottle::model {
 namespace {
@@ -68,8 +71,13 @@ FiniteElementStructure::Matrices FiniteElementStructure::matrices_at(
     const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
   Matrices matrices = is_as_assembled(parameters) ? SparseStructure::matrices_at(parameters) : assembled_at(parameters);
   if (is_reduced_) {
+    if (!matrices.is_mass_semidefinite) {  // the kept rows alone may hide it
+      const std::optional<NegativeMass> negative = find_negative_mass(matrices.stiffness, matrices.mass);
+      if (negative) throw InvalidInput(describe(*negative, equation_name(negative->row)));
+    }
     reduce_statically(matrices.stiffness, matrices.mass, assembled_.is_omitted,
                       [this](int row) { return equation_name(row); });
+    matrices.is_mass_semidefinite = true;
   }
   return matrices;
 }
@@ -86,7 +94,7 @@ FiniteElementStructure::Matrices FiniteElementStructure::assembled_at(
   }
   const AssembledModel moved = assemble(deck, {});
   const Eigen::VectorXd none;
-  return {moved.stiffness.at(none), moved.mass.at(none)};
+  return {moved.stiffness.at(none), moved.mass.at(none), moved.mass.is_semidefinite_at(none)};
 }
 
 int FiniteElementStructure::find_degree_of_freedom(const std::string& name) const {

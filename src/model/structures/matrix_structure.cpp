@@ -6,6 +6,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/linalg/reduced/semidefinite.hpp"
 
 namespace mottle::model {
 namespace {
@@ -58,6 +59,9 @@ SeparablePencil make_pencil(const std::vector<ScaledMatrix>& stiffness, const st
 
 MatrixStructure::MatrixStructure(SeparablePencil pencil, Eigen::VectorXd reference)
     : pencil_(std::move(pencil)), reference_(std::move(reference)) {
+  for (SeparableMatrix::Term& term : pencil_.mass.terms) {
+    term.is_semidefinite = term.is_semidefinite || is_semidefinite(pencil_.mass.matrix_of(term));
+  }
   for (int row = 0; row < static_cast<int>(mode_count()); ++row) {
     const auto [entry, is_new] = numbers_.try_emplace(equation_name(row), static_cast<int>(layers_.size()));
     if (is_new) layers_.emplace_back();

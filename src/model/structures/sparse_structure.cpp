@@ -8,7 +8,7 @@
 namespace mottle::model {
 
 SparseStructure::Matrices SparseStructure::matrices_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const {
-  return {stiffness_terms().at(parameters), mass_terms().at(parameters)};
+  return {stiffness_terms().at(parameters), mass_terms().at(parameters), mass_terms().is_semidefinite_at(parameters)};
 }
 
 SparseStructure::Matrices SparseStructure::derivative_at(const Eigen::Ref<const Eigen::VectorXd>& parameters,

@@ -102,7 +102,7 @@ TEST(MatrixStructure, RefusesAMassMatrixThatGivesNoLength) {
   MatrixModel model = bind_parameters(system, {}, Eigen::VectorXd());
   const ExactSolver solver(std::make_unique<MatrixStructure>(std::move(model.pencil), model.reference));
   EXPECT_THAT(test::message_of<InvalidInput>([&] { solver.modes_at(Eigen::VectorXd(), 2); }),
-              HasSubstr("not positive semidefinite"));
+              HasSubstr("not positive semidefinite: the diagonal entry of row 2 is -1"));
 }
 
 TEST(MatrixStructure, RefusesWhatCannotBeBound) {

@@ -34,6 +34,12 @@ struct SeparableMatrix {
   /// The matrix at `parameters`; the same pattern whatever the values.
   SparseMatrix at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
 
+  /// Whether terms that are known to be semidefinite, with coefficients that are not negative, make it so.
+  bool is_semidefinite_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
+
+  /// One term as a matrix without entries that are not its own.
+  SparseMatrix matrix_of(const Term& term) const;
+
   /// Its derivative with respect to one parameter, in the same pattern.
   SparseMatrix derivative(const Eigen::Ref<const Eigen::VectorXd>& parameters, int parameter) const;
 };

@@ -4,8 +4,10 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "mottle/linalg/sparse/negative_mass.hpp"
 #include "mottle/linalg/sparse/symmetric_factor.hpp"
 
 namespace mottle::linalg {
@@ -16,6 +18,7 @@ struct SparseModesOptions {
   double tolerance = 1e-10;                 ///< relative residual of the shift-inverted problem
   bool counts_below = false;                ///< factorise once more above the last mode and count the modes below
   bool measures = true;                     ///< finds the residuals, at the cost of a few products
+  bool is_mass_semidefinite = false;        ///< known; else M is factorised to see it, unless it is diagonal
   const std::atomic<bool>* stop = nullptr;  ///< true: to be stopped, between two block steps or factorisations
 };
 
@@ -28,10 +31,11 @@ struct SparseModes {
   int counted_below = -1;     ///< modes below `counted_at` by the inertia of K - counted_at M; -1: not asked for
   double counted_at = 0.0;    ///< between the last mode and the next, or below the root they share
   int basis_vectors = 0;      ///< solves with the factor
-  double factor_seconds = 0.0;  ///< of the first factorisation, its ordering included
-  std::string failure;          ///< why there is no result; empty where there is one
-  int failed_row = -1;          ///< row of the matrices to which the failure belongs, or -1
-  bool is_massless = false;     ///< the failed row
+  double factor_seconds = 0.0;                ///< of the first factorisation, its ordering included
+  std::string failure;                        ///< why there is no result; empty where there is one
+  int failed_row = -1;                        ///< row of the matrices to which the failure belongs, or -1
+  bool is_massless = false;                   ///< the failed row
+  std::optional<NegativeMass> negative_mass;  ///< where that is the failure
 
   /// Whether the count agrees with the modes found (true where it was not asked for).
   bool is_complete() const { return counted_below < 0 || counted_below == values.size(); }
@@ -49,9 +53,9 @@ int count_eigenvalues_below(const SparseMatrix& stiffness, const SparseMatrix& m
 ///
 /// Block Lanczos on the shift-inverted operator with full reorthogonalisation in the M inner product and thick
 /// restarts. K positive semidefinite (rigid-body modes and repeated roots are found), M positive semidefinite
-/// (massless degrees of freedom are no modes). Fewer modes than asked for come back where the pencil has no more.
-/// Not for use by two threads at once. Same pencil, same numbers.
-/// Source: [Grimes1994]; [GolubVanLoan2013], section 10.3; restarts [Wu2000].
+/// (massless degrees of freedom are no modes); where it is not, see find_negative_mass(), there are none. Fewer modes
+/// than asked for come back where the pencil has no more. Not for use by two threads at once. Same pencil, same
+/// numbers. Source: [Grimes1994]; [GolubVanLoan2013], section 10.3; restarts [Wu2000].
 class SparseModeSolver {
  public:
   SparseModeSolver();

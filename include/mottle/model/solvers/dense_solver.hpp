@@ -33,6 +33,8 @@ class DenseSolver final : public Solver {
   std::int64_t samples_of_piece(const SolutionRequest& request) const;
   void solve_part(const Eigen::Ref<const Eigen::MatrixXd>& samples, const SolutionRequest& request,
                   const RunContext& context, const Visitor& visit) const;
+  /// Why a sample has no modes.
+  std::string failure_at(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
   void observe_shapes(const Eigen::MatrixXd& shapes, const Eigen::Ref<const Eigen::VectorXd>& parameters,
                       const SolutionRequest& request, Solution& solution) const;
 

@@ -75,6 +75,7 @@ class ExactSolver final : public Solver {
   Solution observe(const Eigen::VectorXd& values, const Eigen::MatrixXd& vectors, const SolutionRequest& request) const;
 
  private:
+  SparseModes solve_matrices(const SparseStructure::Matrices& matrices, SparseModesOptions options) const;
   std::string solve_row(const Eigen::VectorXd& parameters, const SolutionRequest& request, Solution& solution) const;
 
   std::unique_ptr<const SparseStructure> structure_;

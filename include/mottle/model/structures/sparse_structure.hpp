@@ -14,6 +14,7 @@ class SparseStructure : public Structure {
  public:
   struct Matrices {
     SparseMatrix stiffness, mass;
+    bool is_mass_semidefinite = false;  ///< known from its terms
   };
 
   /// Where modes are numbered; its mass matrix weighs the comparison of shapes [parameter].
