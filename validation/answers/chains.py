@@ -66,3 +66,14 @@ def between_walls(parts=4, length=3):
 def storeys(count=4):
     """A frame of storeys, one parameter each."""
     return Chain([1.0] * count, [[(i - 1, i)] for i in range(count)], [])
+
+
+def two_that_cross():
+    """A mode that no parameter moves lies between two that one parameter moves; the lower one crosses it at a factor of 1.3."""
+    return Chain([1.0, 1.0, 0.25], [[(-1, 0), (-1, 2)]], [(-1, 1, 1.3), (0, 1, 0.001)])
+
+
+def two_of_seven():
+    """Five masses; two of seven springs are parameters."""
+    return Chain([1.0, 1.2, 0.8, 1.0, 1.5], [[(-1, 0)], [(1, 2)]],
+                 [(0, 1, 1.5), (2, 3, 2.0), (3, 4, 1.0), (4, -1, 0.7), (1, 4, 0.5)])

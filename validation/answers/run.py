@@ -7,6 +7,7 @@ Writes RESULTS.md beside this file and ends with 1 where a goal is missed. Needs
 """
 import argparse
 import concurrent.futures
+import dataclasses
 import json
 import pathlib
 import subprocess
@@ -15,40 +16,68 @@ import tempfile
 
 import numpy as np
 
-from chains import between_walls, parts_in_a_row, storeys
+from chains import Chain, between_walls, parts_in_a_row, storeys, two_of_seven, two_that_cross
 
 HERE = pathlib.Path(__file__).resolve().parent
 SEED = 3801
-SCATTER = 0.03  # of the specimens' parameters
-NOISE = 0.001  # of a frequency
-
-# What it is, the chain, the prior's relative deviation, the frequencies, the method.
-SETTINGS = [(f"four like parts in a row, prior {100 * std:.0f} %", parts_in_a_row(), std, modes, "maximum-likelihood")
-            for std, modes in ((0.1, 6), (0.2, 6), (0.3, 6), (0.3, 8), (0.3, 12))]
-SETTINGS += [("a uniform chain between two walls, prior 20 %", between_walls(), 0.2, 6, "maximum-likelihood")]
-SETTINGS += [("four storeys, prior 20 %", storeys(), 0.2, 4, "maximum-likelihood")]
-SETTINGS += [("four like parts in a row, prior 30 %", parts_in_a_row(), 0.3, 6, method)
-             for method in ("deterministic", "inversion", "moment-matching", "covariance-adjustment", "mares")]
 
 
-def study_text(chain, std, modes, method):
+@dataclasses.dataclass
+class Setting:
+    """What is drawn, and how it is updated."""
+    what: str
+    chain: Chain
+    prior: float  # relative deviation of the parameters' means
+    modes: int
+    method: str = "maximum-likelihood"
+    specimens: tuple = (8, 10)
+    scatter: float = 0.03  # of the specimens' parameters
+    noise: float = 0.001  # of a frequency
+    is_stated: bool = True
+    ratio: float = 1.0  # of the noise of frequencies 1, 3, ... to that of 2, 4, ...
+
+    def noises(self):
+        """Relative noise of each frequency."""
+        return self.noise / np.where(np.arange(self.modes) % 2 == 0, 1.0, self.ratio)
+
+
+def settings():
+    """All rows of the table."""
+    row = parts_in_a_row()
+    found = [Setting(f"four like parts in a row, prior {100 * std:.0f} %", row, std, modes)
+             for std, modes in ((0.1, 6), (0.2, 6), (0.3, 6), (0.3, 8), (0.3, 12))]
+    found += [Setting("a uniform chain between two walls, prior 20 %", between_walls(), 0.2, 6),
+              Setting("four storeys, prior 20 %", storeys(), 0.2, 4)]
+    found += [Setting("four like parts in a row, prior 30 %", row, 0.3, 6, method)
+              for method in ("deterministic", "inversion", "moment-matching", "covariance-adjustment", "mares")]
+    found += [Setting("modes by rank that cross, scatter 20 %", two_that_cross(), 0.05, 3, scatter=0.2)]
+    found += [Setting(f"two parameters, noise not stated, levels differ by {ratio:g}", two_of_seven(), 0.1, 5, specimens=(n, n), scatter=0.1,
+                      noise=0.002, is_stated=False, ratio=ratio) for n in (10, 30) for ratio in (1.0, 2.0, 3.0, 5.0)]
+    return found
+
+
+SETTINGS = settings()
+
+
+def study_text(setting):
     """The study of a chain whose parts are the parameters."""
-    rows = [chain.toml()]
-    for part in range(len(chain.parts)):
-        rows += ["[[parameter]]", f'name = "x{part}"', f"target = {chain.targets(part)}", "relative = true",
-                 f'distribution = {{ kind = "normal", mean = 1, std = {std} }}']
-    return "\n".join([*rows, "[outputs]", f"frequencies = {list(range(1, modes + 1))}", "[test]", 'file = "tests.csv"',
-                      f'repeatability = {{ "*" = "{100 * NOISE} %" }}', "[update]", f'method = "{method}"'])
+    rows = [setting.chain.toml()]
+    for part in range(len(setting.chain.parts)):
+        rows += ["[[parameter]]", f'name = "x{part}"', f"target = {setting.chain.targets(part)}", "relative = true",
+                 f'distribution = {{ kind = "normal", mean = 1, std = {max(setting.prior, setting.scatter)} }}']
+    noise = [f'repeatability = {{ "*" = "{100 * setting.noise} %" }}'] if setting.is_stated else []
+    return "\n".join([*rows, "[outputs]", f"frequencies = {list(range(1, setting.modes + 1))}", 'tracking = "order"', "[test]",
+                      'file = "tests.csv"', *noise, "[update]", f'method = "{setting.method}"'])
 
 
-def draw_truth(rng, chain, std):
-    """A population's mean from the prior, all springs positive, and 8 to 10 specimens [specimen x part]."""
+def draw_truth(rng, setting):
+    """A population's mean from the prior, all springs positive, and specimens [specimen x part]."""
     while True:
-        mean = 1.0 + std * rng.standard_normal(len(chain.parts))
+        mean = 1.0 + setting.prior * rng.standard_normal(len(setting.chain.parts))
         if (mean > 0.2).all():
             break
-    count = int(rng.integers(8, 11))
-    return mean, mean * (1.0 + SCATTER * rng.standard_normal((count, mean.size)))
+    count = int(rng.integers(setting.specimens[0], setting.specimens[1] + 1))
+    return mean, mean * (1.0 + setting.scatter * rng.standard_normal((count, mean.size)))
 
 
 def solutions_of(result):
@@ -58,17 +87,18 @@ def solutions_of(result):
     return found + [(np.array(other["mean"]), other["mean_ci95"]) for other in result["other_solutions"]]
 
 
-def one_set(program, number, setting):
+def one_set(program, number, index):
     """Draws a set, updates, and says what came out."""
-    _, chain, std, modes, method = SETTINGS[setting]
-    rng = np.random.default_rng([SEED, setting, number])
-    mean, specimens = draw_truth(rng, chain, std)
-    tests = np.array([chain.modes(x)[0][:modes] for x in specimens])
-    tests *= 1.0 + NOISE * rng.standard_normal(tests.shape)
+    setting = SETTINGS[index]
+    rng = np.random.default_rng([SEED, index, number])
+    mean, specimens = draw_truth(rng, setting)
+    tests = np.array([setting.chain.modes(x)[0][:setting.modes] for x in specimens])
+    tests *= 1.0 + setting.noises() * rng.standard_normal(tests.shape)
+    tests.sort(axis=1)  # known by rank
     with tempfile.TemporaryDirectory() as folder:
         place = pathlib.Path(folder)
-        (place / "study.toml").write_text(study_text(chain, std, modes, method), encoding="utf-8")
-        np.savetxt(place / "tests.csv", tests, delimiter=",", header=",".join(f"f{k + 1}" for k in range(modes)), comments="")
+        (place / "study.toml").write_text(study_text(setting), encoding="utf-8")
+        np.savetxt(place / "tests.csv", tests, delimiter=",", header=",".join(f"f{k + 1}" for k in range(setting.modes)), comments="")
         done = subprocess.run([program, "update", "study.toml", "--out", "out", "--quiet", "--threads", "1", "--cache", "off"],
                               cwd=place, capture_output=True, text=True, check=False)
         if done.returncode != 0:
@@ -83,11 +113,11 @@ def one_set(program, number, setting):
             "held": sum(low <= true <= high for low, high, true in known), "intervals": len(known)}
 
 
-def row(program, setting, sets, jobs):
+def row(program, index, sets, jobs):
     """One line of the table, and whether its goal is met: inadequate in 5 % and two standard errors at most."""
-    what, chain, _, modes, method = SETTINGS[setting]
+    setting = SETTINGS[index]
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        answers = list(pool.map(lambda number: one_set(program, number, setting), range(sets)))
+        answers = list(pool.map(lambda number: one_set(program, number, index), range(sets)))
     count = {kind: sum(answer["conclusion"] == kind for answer in answers)
              for kind in ("adequate", "inadequate", "undecided", "failed")}
     whole = [answer for answer in answers if answer["conclusion"] != "failed"]
@@ -95,7 +125,7 @@ def row(program, setting, sets, jobs):
     held = f"{100 * sum(answer['held'] for answer in whole) / intervals:.1f}" if intervals else "-"
     named, others = (sum(bool(answer[key]) for answer in whole) for key in ("named", "others"))
     is_met = count["inadequate"] <= sets * (0.05 + 2 * np.sqrt(0.05 * 0.95 / sets)) and count["failed"] == 0
-    line = (f"| {what}, {modes} frequencies | {method} | {sets} | {count['adequate']} | {count['inadequate']} | {count['undecided']} | "
+    line = (f"| {setting.what}, {setting.modes} frequencies | {setting.method} | {sets} | {count['adequate']} | {count['inadequate']} | {count['undecided']} | "
             f"{count['failed']} | {named} | {others} | {held} | {'yes' if is_met else 'no'} |")
     print(line, flush=True)
     return line, is_met
@@ -114,8 +144,8 @@ def main():
     print(HEAD)
     rows = [row(arguments.program.resolve(), k, arguments.sets, arguments.jobs) for k in range(len(SETTINGS))]
     text = ["# Answers to right models", "",
-            f"Made by run.py, seed {SEED}. True means are drawn from the prior, 8 to 10 specimens scatter by {100 * SCATTER:.0f} % "
-            f"about them, frequencies by rank with a stated noise of {100 * NOISE} %. *True parameters among the solutions*: all within "
+            f"Made by run.py, seed {SEED}. True means are drawn from the prior; 8 to 10 specimens scatter by 3 % "
+            "about them, frequencies are known by rank, with a stated noise of 0.1 %, where nothing else is said. *True parameters among the solutions*: all within "
             "10 % of the specimens' mean, of the estimate or of another solution that is named. Intervals are those of the solution nearest to "
             "the truth. Goal: inadequate in 5 % and two standard errors at most.", "", HEAD, *(line for line, _ in rows)]
     (HERE / "RESULTS.md").write_text("\n".join(text) + "\n", encoding="utf-8")

@@ -158,9 +158,8 @@ ModelError model_error_of(const PopulationFit& fit, const NoiseModel& given) {
 
 }  // namespace
 
-NoiseModel known_noise(Eigen::VectorXd variance) {
-  const auto outputs = static_cast<std::size_t>(variance.size());
-  return {std::move(variance), std::vector<int>(outputs, -1), 0};
+bool is_noise_estimated(const PopulationFit& fit) {
+  return fit.settings.factors > 0 || fit.noise_of_residuals.degrees_of_freedom > 0.0;
 }
 
 Eigen::RowVectorXd means_of_tests(const Eigen::Ref<const Eigen::MatrixXd>& values) {
@@ -250,6 +249,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
     }
     fit.units =
         linear_units(values, error, fit.sensitivity, absorbed, fit.specimens, settings.noise, frame.origin, frame.map);
+    if (settings.noise.factors > 0) take_noise_of_residuals(values, settings.noise, fit);
     fit.effects = fit_within_bounds(problem, frame, fit.units, start, fit.settings);
     start = (1.0 - k_fresh) * fit.effects.covariance + k_fresh * frame.start;
     if (has_error) error = fit.effects.shared;
@@ -261,7 +261,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
     fit.converged = fit.iterations > 0 && step <= settings.tolerance;
     fit.mean = mean;
     fit.covariance = covariance;
-    for (Eigen::Index k = 0; k < fit.noise.size(); ++k) {
+    for (Eigen::Index k = 0; fit.settings.factors > 0 && k < fit.noise.size(); ++k) {
       const int f = settings.noise.factor[static_cast<std::size_t>(k)];
       if (f >= 0) fit.noise(k) = settings.noise.base(k) * fit.effects.noise_factors(f);
     }

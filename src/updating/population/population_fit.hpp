@@ -14,18 +14,9 @@
 #include "mottle/stats/population/random_effects.hpp"
 #include "mottle/updating/methods/updater.hpp"
 #include "updating/fits/specimen_fit.hpp"
+#include "updating/population/noise_levels.hpp"
 
 namespace mottle::updating {
-
-/// What is known of the measurement's noise: variance = base * factor.
-struct NoiseModel {
-  Eigen::VectorXd base;     ///< variance [output]
-  std::vector<int> factor;  ///< index of the factor on each output's base, -1: base is the variance [output]
-  int factors = 0;
-};
-
-/// Noise of these variances, none of them to be estimated.
-NoiseModel known_noise(Eigen::VectorXd variance);
 
 struct PopulationFitSettings {
   NoiseModel noise;
@@ -54,6 +45,8 @@ struct PopulationFit {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
   Eigen::VectorXd noise;  ///< variance of each output
+  /// Where the noise is estimated and residuals are left to estimate it from; else without degrees of freedom
+  NoiseOfResiduals noise_of_residuals = {};
   std::optional<ModelError> model_error;
   Eigen::MatrixXd seen;  ///< orthonormal directions, in prior deviations, that the outputs see [parameter x rank]
   Eigen::MatrixXd map;   ///< parameters of effects [parameter x effect]
@@ -67,6 +60,9 @@ struct PopulationFit {
   std::int64_t evaluations = 0;
   std::shared_ptr<const SampleRegion> region;  ///< to which the model was adapted at last; null: to none
 };
+
+/// Whether the noise of any output is estimated.
+bool is_noise_estimated(const PopulationFit& fit);
 
 /// Means of the measured values of each output.
 Eigen::RowVectorXd means_of_tests(const Eigen::Ref<const Eigen::MatrixXd>& values);

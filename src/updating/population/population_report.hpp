@@ -49,10 +49,11 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
 
 /// Tests of what the estimate leaves over, at a level that is the false-alarm rate of all of them together:
 ///
-///   mean-residuals: n |v|^2 against chi-squared (noise known) or F (noise estimated), v the mean of the specimens'
-///     whitened residuals in the directions that no parameter moves;
-///   scatter-of-residuals: the rest of their squares against chi-squared (noise known), or their sphericity (noise
-///     estimated);
+///   mean-residuals: n |v|^2 against chi-squared (noise known) or simulated studies (noise estimated), v the mean of
+///   the
+///     specimens' whitened residuals in the directions that no parameter moves;
+///   scatter-of-residuals: the rest of their squares against chi-squared (noise known), or their largest variance
+///     against simulated studies (noise estimated);
 ///   correlations: likelihood ratio of a full covariance where groups restrict it, with Box's factor;
 ///   reproduction: every test without noise must be reproduced by some parameters;
 ///   scatter-agreement, bounds, prior-shift: see scatter_tests.hpp, mean_limits.hpp.

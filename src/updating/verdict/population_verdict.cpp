@@ -11,17 +11,15 @@
 #include "updating/population/specimen_residuals.hpp"
 #include "updating/verdict/cloud_agreement.hpp"
 #include "updating/verdict/scatter_tests.hpp"
+#include "updating/verdict/unknown_noise.hpp"
 
 namespace mottle::updating {
 namespace {
 
-void plan_mean_residuals(const MeanResiduals& residuals, bool is_noise_known, TestPlan& plan) {
+void plan_mean_residuals(const MeanResiduals& residuals, TestPlan& plan) {
   const double d = residuals.mean_degrees_of_freedom;
   const auto n = static_cast<double>(residuals.values.rows());
-  const double rest = residuals.degrees_of_freedom;
-  PlannedTest test = is_noise_known
-                         ? chi_squared_test("mean-residuals", residuals.mean_squares, d)
-                         : f_test("mean-residuals", residuals.mean_squares / d * rest / residuals.squares, d, rest);
+  PlannedTest test = chi_squared_test("mean-residuals", residuals.mean_squares, d);
   test.aspect = Aspect::means;
   const bool has_error = residuals.largest_variance > 1.0;
   test.meaning = fmt::format(
@@ -31,7 +29,7 @@ void plan_mean_residuals(const MeanResiduals& residuals, bool is_noise_known, Te
   // In units of the noise and the model's error of one test together, in the direction where the mean shows least.
   const double per_mean = residuals.largest_variance / (n + residuals.largest_variance - 1.0);
   test.power = [=, own = residuals.own_noncentrality](double level) {
-    const double needed = is_noise_known ? chi_squared_detectable(d, level) : f_detectable(d, rest, level);
+    const double needed = chi_squared_detectable(d, level);
     const double shift = std::sqrt(needed * per_mean);
     // A stated error may be so large that any model agrees within it.
     const bool hides_all = has_error && std::sqrt(needed / own.maxCoeff()) > k_gross_error;
@@ -47,26 +45,6 @@ ResidualLeverage leverage_of(const UpdatingProblem& problem, const PopulationFit
   const Eigen::MatrixXd design = fit.noise.cwiseSqrt().asDiagonal() * residuals.mean_design;
   return {residuals.directions.rowwise().squaredNorm().cwiseQuotient(fit.noise),
           (design * fit.effects.covariance * design.transpose()).diagonal() + fit.noise, output_names(problem)};
-}
-
-/// Sphericity over the specimens without gaps: a level of noise that was estimated cannot be tested itself.
-void plan_sphericity(const UpdatingProblem& problem, const PopulationFit& fit, const MeanResiduals& residuals,
-                     TestPlan& plan) {
-  std::vector<Eigen::Index> whole;
-  for (Eigen::Index s = 0; s < problem.tests.values.rows(); ++s) {
-    if (problem.tests.values.row(s).allFinite()) whole.push_back(s);
-  }
-  constexpr std::size_t k_fewest = 3;
-  if (residuals.directions.cols() < 2 || whole.size() < k_fewest) {
-    plan.leave_untested(
-        Aspect::scatter,
-        "The scatter was not tested: the few residuals that are left determine only the level of the noise. Give "
-        "[test] repeatability of every output, or measure further outputs.");
-    return;
-  }
-  const Eigen::MatrixXd values = residuals.values(whole, Eigen::all) * residuals.directions;
-  plan.add(sphericity_test(sample_covariance(values), static_cast<double>(whole.size() - 1),
-                           leverage_of(problem, fit, residuals)));
 }
 
 /// Whether the noise of every output is more than the last digits to which specimens are fitted: identical ones leave
@@ -169,7 +147,7 @@ MeanResiduals residuals_of(const UpdatingProblem& problem, const PopulationFit& 
                            std::int64_t& evaluations) {
   if (!fit.model_error) return mean_residuals(problem.tests.values, fit.units, fit.noise);
   const Eigen::VectorXd& error = fit.model_error->std;
-  if (fit.settings.factors > 0) return mean_residuals(problem.tests.values, fit.units, fit.noise, error);
+  if (is_noise_estimated(fit)) return mean_residuals(problem.tests.values, fit.units, fit.noise, error);
   return specimen_residuals(problem, {fit.mean, fit.covariance, fit.noise}, fit.specimens, fit.map, error, context,
                             evaluations);
 }
@@ -178,7 +156,7 @@ MeanResiduals residuals_of(const UpdatingProblem& problem, const PopulationFit& 
 
 void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, const RunContext& context,
                          TestPlan& plan, std::int64_t& evaluations) {
-  const bool is_noise_known = fit.settings.factors == 0;
+  const bool is_noise_known = !is_noise_estimated(fit);
   const bool has_noise = has_noise_everywhere(problem, fit);
   const auto do_differ = [&] {
     const TestMoments moments = test_moments(problem.tests);
@@ -216,10 +194,12 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
         Aspect::means,
         "The means were not tested: the level of the model's error was estimated from the differences of the "
         "means. Give the model's error (model_error) as numbers: the error that you would accept.");
-  } else {
-    plan_mean_residuals(residuals, is_noise_known, plan);
+  } else if (is_noise_known) {
+    plan_mean_residuals(residuals, plan);
   }
-  if (!is_noise_known) return plan_sphericity(problem, fit, residuals, plan);
+  if (!is_noise_known) {
+    return plan_tests_of_unknown_noise(problem.tests.values, fit, residuals, problem.level, plan);
+  }
   if (!has_scatter) {
     plan.leave_untested(Aspect::scatter, fmt::format("The scatter was not tested: one specimen alone has more outputs "
                                                      "than the parameters move. Measure more outputs of the others."));

@@ -1,14 +1,11 @@
 #include "updating/verdict/scatter_tests.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
 
 #include "mottle/core/error.hpp"
-#include "mottle/core/random.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
-#include "mottle/stats/distributions/standard_normal.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -50,42 +47,6 @@ Power output_power(double ratio, const ResidualLeverage& residuals) {
           best <= k_gross_error};
 }
 
-/// What of a Wishart matrix W John's statistic needs when its first direction is stretched.
-struct DrawnScatter {
-  double own;     // W_11
-  double shared;  // sum of W_1j^2, j > 1
-  double trace;   // of the rest
-  double square;  // tr of the rest squared
-
-  /// U where the variance of the first direction is `ratio` times that of the others.
-  double sphericity(double ratio, double directions) const {
-    const double sum = ratio * own + trace;
-    return directions * (ratio * ratio * own * own + 2.0 * ratio * shared + square) / (sum * sum) - 1.0;
-  }
-};
-
-/// Wishart matrices of d directions with nu degrees of freedom: by Bartlett's triangular factor, or by nu samples where
-/// these are fewer.
-std::vector<DrawnScatter> draw_scatters(Eigen::Index d, double degrees_of_freedom) {
-  constexpr std::uint32_t k_draws = 400;  // a power of 80 % to 2 %
-  const auto columns = std::min(d, static_cast<Eigen::Index>(std::ceil(degrees_of_freedom)));
-  std::vector<DrawnScatter> draws;
-  for (std::uint32_t r = 0; r < k_draws; ++r) {
-    RandomStream stream({.seed = 2, .purpose = StreamPurpose::bootstrap}, r);
-    Eigen::MatrixXd root = Eigen::MatrixXd::Zero(d, columns);
-    for (Eigen::Index j = 0; j < columns; ++j) {
-      for (Eigen::Index i = columns < d ? 0 : j; i < d; ++i) root(i, j) = standard_normal_quantile(stream.uniform());
-      if (columns < d) continue;
-      const boost::math::chi_squared law(degrees_of_freedom - static_cast<double>(j));
-      root(j, j) = std::sqrt(boost::math::quantile(law, stream.uniform()));
-    }
-    const Eigen::MatrixXd wishart = root * root.transpose();
-    const auto rest = wishart.bottomRightCorner(d - 1, d - 1);
-    draws.push_back({wishart(0, 0), wishart.col(0).tail(d - 1).squaredNorm(), rest.trace(), rest.squaredNorm()});
-  }
-  return draws;
-}
-
 }  // namespace
 
 std::vector<std::string> output_names(const UpdatingProblem& problem) {
@@ -116,35 +77,6 @@ PlannedTest residual_scatter_test(double squares, double specimens, double direc
                           const double spread = degrees_of_freedom - specimens + ratio * ratio * specimens;
                           return chi_squared_upper_tail(critical * mean / spread, mean * mean / spread) >=
                                  1.0 - k_missed;
-                        }),
-                        leverage);
-  };
-  return test;
-}
-
-PlannedTest sphericity_test(const Eigen::Ref<const Eigen::MatrixXd>& scatter, double specimens,
-                            const ResidualLeverage& leverage) {
-  const auto d = static_cast<double>(scatter.rows());
-  const double mean = scatter.trace() / d;
-  const double u = scatter.squaredNorm() / (mean * mean * d) - 1.0;
-  const double degrees_of_freedom = 0.5 * d * (d + 1.0) - 1.0;
-  // Mean of U for a Wishart matrix: E tr W^2 / E (tr W)^2, tr W being independent of W / tr W.
-  const double expected = d * (specimens + d + 1.0) / (specimens * d + 2.0) - 1.0;
-  const double scale = degrees_of_freedom / expected;
-  PlannedTest test = chi_squared_test("scatter-of-residuals", scale * u, degrees_of_freedom);
-  test.aspect = Aspect::scatter;
-  test.meaning = fmt::format(
-      "John's test of sphericity with {:.0f} degrees of freedom: do the residuals scatter alike in the {:.0f} "
-      "directions that no parameter moves, as measurement noise does?",
-      degrees_of_freedom, d);
-  test.power = [=](double level) {
-    const double needed = chi_squared_quantile(1.0 - level, degrees_of_freedom) / scale;
-    const std::vector<DrawnScatter> draws = draw_scatters(static_cast<Eigen::Index>(d), specimens);
-    return output_power(smallest([&](double ratio) {
-                          const auto found = std::count_if(draws.begin(), draws.end(), [&](const DrawnScatter& draw) {
-                            return draw.sphericity(ratio, d) > needed;
-                          });
-                          return static_cast<double>(found) >= (1.0 - k_missed) * static_cast<double>(draws.size());
                         }),
                         leverage);
   };

@@ -30,17 +30,6 @@ struct ResidualLeverage {
 PlannedTest residual_scatter_test(double squares, double specimens, double directions,
                                   const ResidualLeverage& leverage);
 
-/// Whether residuals in whitened directions scatter alike in all of them, as noise of an estimated level does: John's
-/// statistic, brought to the mean of the chi-squared law that it tends to with many specimens.
-///
-///   U = tr[(S / (tr S / d) - I)^2] / d,   nu d U / 2 -> chi-squared with d (d + 1) / 2 - 1 degrees of freedom
-///
-/// @param scatter    S, sample covariance of the residuals in d >= 2 directions [direction x direction]
-/// @param specimens  nu, its degrees of freedom
-/// Source: [John1972]; [Ledoit2002] for few specimens and many directions.
-PlannedTest sphericity_test(const Eigen::Ref<const Eigen::MatrixXd>& scatter, double specimens,
-                            const ResidualLeverage& leverage);
-
 /// Specimens that have each output, 0 of an output that does not scatter among them beyond the last digits of its
 /// values: how much it does by itself is then not known.
 Eigen::VectorXi counts_with_scatter(const TestMoments& tests);

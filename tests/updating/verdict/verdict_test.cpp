@@ -152,42 +152,6 @@ TEST(MatchedMeans, RefuseAWrongModel) {
   EXPECT_GT(Replication().judged("perturbation", 0.0, 0.5).first, 0.9);
 }
 
-/// Part of the replications of nu + 1 residuals in d directions, the first with `ratio` times the variance of the
-/// others, whose sphericity is refused.
-double refused_sphericity(int nu, int d, double ratio, std::string* finds = nullptr) {
-  constexpr std::uint32_t k_replications = 2000;
-  double refused = 0.0;
-  for (std::uint32_t r = 0; r < k_replications; ++r) {
-    Eigen::MatrixXd residuals(nu + 1, d);
-    RandomStream stream({.seed = 7, .purpose = StreamPurpose::truth}, r);
-    for (double& value : residuals.reshaped()) value = standard_normal_quantile(stream.uniform());
-    residuals.col(0) *= std::sqrt(ratio);
-    const ResidualLeverage leverage{Eigen::VectorXd::Ones(d), Eigen::VectorXd::Ones(d),
-                                    std::vector<std::string>(static_cast<std::size_t>(d), "y")};
-    const PlannedTest test = sphericity_test(sample_covariance(residuals), nu, leverage);
-    refused += test.statistic > test.critical(0.05) ? 1.0 / k_replications : 0.0;
-    if (finds != nullptr && r == 0) *finds = test.power(0.05).finds;
-  }
-  return refused;
-}
-
-TEST(Sphericity, IsRefusedAsOftenAsItsLevelSays) {
-  for (const auto& [nu, d] : {std::pair(2, 9), std::pair(4, 9), std::pair(9, 9), std::pair(49, 9), std::pair(9, 2)}) {
-    // Three standard errors of 2000 replications; with three residuals the law is bounded, and the test keeps below.
-    const double refused = refused_sphericity(nu, d, 1.0);
-    EXPECT_LT(refused, 0.05 + 0.015) << nu << ' ' << d;
-    EXPECT_GT(refused, nu == 2 ? 0.02 : 0.05 - 0.015) << nu << ' ' << d;
-  }
-}
-
-TEST(Sphericity, FindsWhatItSaysInFourOfFive) {
-  std::string finds;
-  refused_sphericity(9, 9, 1.0, &finds);
-  // "... scatters by itself C (y) to C (y) times as much ...": with unit leverage and variance C^2 is the ratio.
-  const double factor = std::stod(finds.substr(finds.find("itself ") + 7));
-  EXPECT_NEAR(refused_sphericity(9, 9, factor * factor), 0.8, 0.1) << factor;
-}
-
 /// Part of 400 free means about `truth`, in standard errors, that the bound test refuses. Both parameters have the
 /// physical limit 0; `correlation` is that of their means.
 double refused_at_limits(const Eigen::Vector2d& truth, double correlation) {
