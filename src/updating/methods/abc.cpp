@@ -9,6 +9,7 @@
 #include "mottle/updating/methods/maximum_likelihood.hpp"
 #include "updating/fits/measured_outputs.hpp"
 #include "updating/methods/abc_report.hpp"
+#include "updating/methods/abc_verdict.hpp"
 #include "updating/methods/matched_moments.hpp"
 #include "updating/methods/moment_iteration.hpp"
 #include "updating/population/model_error.hpp"
@@ -135,8 +136,16 @@ void sample_and_describe(const UpdatingProblem& problem, const ScaledParameters&
                        {.method = "abc",
                         .mean = state.mean,
                         .sensitivity = state.sensitivity,
-                        .scatter = MatchedEstimate::Scatter::without_noise},
+                        .scatter = MatchedEstimate::Scatter::without_noise,
+                        .is_by_specimen = true,
+                        .cloud_scatter = studied_cloud_scatter(fit, sampled)},
                        context, result);
+  if (!(problem.tests.repeatability_std.array() > 0.0).all()) {
+    result.notes.emplace_back(
+        "The level of the verdict's test of the means is not calibrated: the noise of an output is not stated, and the "
+        "test counts the updated cloud, which has a Monte-Carlo error, as exact. Give [test] repeatability of every "
+        "output.");
+  }
   note_model_error(problem, "abc",
                    "is drawn anew for every simulated set of tests and every mean: intervals of means include it.",
                    result);

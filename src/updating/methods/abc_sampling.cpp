@@ -67,20 +67,16 @@ void require_possible(const SimulationTable& table) {
       possible, table.log_weight.size(), fewest);
 }
 
-/// Tests simulated at a population: their distances from its cloud, and the populations nearest to them.
-struct SimulatedStudies {
-  Eigen::VectorXd distances;  // [set]
-  Eigen::MatrixXd estimates;  // [set x coordinate]
-};
-
 SimulatedStudies simulate_studies(const AbcSampler& sampler, const AbcSummary& summary, const Eigen::VectorXd& truth,
                                   Eigen::Index sets) {
   const StreamKey key{.seed = sampler.context.seed, .purpose = StreamPurpose::abc_calibration};
   const Eigen::MatrixXd cloud = sampler.cloud.at(truth);
-  SimulatedStudies studies{Eigen::VectorXd(sets), Eigen::MatrixXd(sets, truth.size())};
+  SimulatedStudies studies{std::vector<Eigen::MatrixXd>(static_cast<std::size_t>(sets)), Eigen::VectorXd(sets),
+                           Eigen::MatrixXd(sets, truth.size())};
   parallel_for(sets, 4, sampler.context.threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t b = begin; b < end && !sampler.context.stop_requested(); ++b) {
-      const Eigen::MatrixXd tests = sampler.simulator.simulate(truth, key, static_cast<std::uint32_t>(b));
+      Eigen::MatrixXd& tests = studies.tests[static_cast<std::size_t>(b)];
+      tests = sampler.simulator.simulate(truth, key, static_cast<std::uint32_t>(b));
       studies.distances(b) = sampler.nearest.comparison->distance(cloud, tests);
       studies.estimates.row(b) = summary.nearest(tests).transpose();
     }
@@ -93,24 +89,21 @@ double part_beyond(const Eigen::VectorXd& distances, double limit) {
   return (distances.array() >= limit).cast<double>().mean();
 }
 
-/// ln sd of the estimate, less half the logarithm of the ratio of simulated studies' variances to the true ones, over
-/// that of unbiased variances of a normal sample. Medians: a study far from the reference cloud, where one step of the
-/// search goes astray, has a variance without bound.
-Eigen::VectorXd unbiased_deviations(const PopulationCoordinates& coordinates, const SimulatedStudies& studies,
-                                    const Eigen::VectorXd& truth, const Eigen::VectorXd& estimate,
-                                    Eigen::Index specimens) {
+/// Half the logarithm of the ratio of simulated studies' variances to the true ones, over that of unbiased variances of
+/// a normal sample. Medians: a study far from the reference cloud, where one step of the search goes astray, has a
+/// variance without bound.
+Eigen::VectorXd bias_of_deviations(const PopulationCoordinates& coordinates, const SimulatedStudies& studies,
+                                   const Eigen::VectorXd& truth, Eigen::Index specimens) {
   constexpr double k_most = 0.7;
   const Eigen::Index q = coordinates.parameters();
   const Eigen::Index sets = studies.estimates.rows();
   const Eigen::VectorXd alike = Eigen::VectorXd::Constant(sets, 1.0 / static_cast<double>(sets));
   const auto freedom = static_cast<double>(specimens - 1);
   const double of_normal = 0.5 * std::log(chi_squared_quantile(0.5, freedom) / freedom);
-  Eigen::VectorXd found = estimate.segment(q, q);
-  for (Eigen::Index k = q; k < 2 * q; ++k) {
-    const double bias = weighted_quantile(studies.estimates.col(k), alike, 0.5) - truth(k) - of_normal;
-    found(k - q) -= std::clamp(bias, -k_most, k_most);
-  }
-  return found;
+  return Eigen::VectorXd::NullaryExpr(q, [&](Eigen::Index k) {
+    const double middle = weighted_quantile(studies.estimates.col(q + k), alike, 0.5);
+    return std::clamp(middle - truth(q + k) - of_normal, -k_most, k_most);
+  });
 }
 
 /// Chooses the tolerance and stretches the intervals by simulated studies; compares the distance of the tests with
@@ -119,20 +112,22 @@ void calibrate(const AbcSampler& sampler, const AbcSummary& summary, const Simul
                const Eigen::VectorXd& truth, const AbcOptions& options, SampledPopulations& found) {
   static const std::vector<double> k_fractions{0.5, 0.3, 0.15};
   const Eigen::MatrixXd& tests = sampler.tests;
-  const SimulatedStudies studies = simulate_studies(sampler, summary, truth, options.calibration_sets);
-  const Eigen::VectorXd estimate = summary.nearest(tests);
+  found.studies = simulate_studies(sampler, summary, truth, options.calibration_sets);
+  found.estimate = summary.nearest(tests);
+  const SimulatedStudies& studies = found.studies;
   std::vector<AcceptedDraws> trials;
   trials.reserve(k_fractions.size());
   for (const double fraction : k_fractions) trials.push_back(accept_nearest(table, summary.of(tests), fraction));
   found.calibration = calibrate_intervals(
-      trials, estimate, studies.estimates, truth,
+      trials, found.estimate, studies.estimates, truth,
       [&](const Eigen::MatrixXd& points, const Eigen::MatrixXd& estimates, const Eigen::RowVectorXd& observed) {
         return carry_errors(sampler, points, estimates, observed);
       });
   found.fraction = k_fractions[found.calibration.chosen];
   found.draws = trials[found.calibration.chosen];
   found.calibration_sets = options.calibration_sets;
-  found.log_deviation = unbiased_deviations(sampler.coordinates, studies, truth, estimate, tests.rows());
+  found.log_bias = bias_of_deviations(sampler.coordinates, studies, truth, tests.rows());
+  found.log_deviation = found.estimate.segment(found.log_bias.size(), found.log_bias.size()) - found.log_bias;
   const auto distance_from = [&](const Eigen::VectorXd& coordinates) {
     return sampler.nearest.comparison->distance(sampler.cloud.at(coordinates), tests);
   };

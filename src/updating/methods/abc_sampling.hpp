@@ -10,6 +10,13 @@
 
 namespace mottle::updating {
 
+/// Tests simulated at a population: their distances from its cloud, and the populations nearest to them.
+struct SimulatedStudies {
+  std::vector<Eigen::MatrixXd> tests;  ///< as distances see them, a study each [specimen x output]
+  Eigen::VectorXd distances;           ///< [study]
+  Eigen::MatrixXd estimates;           ///< [study x coordinate]
+};
+
 /// What sampling found.
 struct SampledPopulations {
   AcceptedDraws draws;     ///< as accepted and adjusted
@@ -22,6 +29,9 @@ struct SampledPopulations {
   std::vector<AbcStage> stages;
   double simulated_distance = 0.0;
   double exceeded = 1.0;
+  SimulatedStudies studies;  ///< at the draws' mean
+  Eigen::VectorXd estimate;  ///< of the tests as the studies are estimated [coordinate]
+  Eigen::VectorXd log_bias;  ///< taken off ln sd of an estimate [parameter]
 
   Eigen::MatrixXd mean_displacement;  ///< by the model's error, in each draw; empty: there is none [draw x parameter]
 

@@ -10,6 +10,7 @@
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/least_change.hpp"
+#include "updating/population/population_report.hpp"
 #include "updating/population/specimen_residuals.hpp"
 #include "updating/verdict/cloud_agreement.hpp"
 #include "updating/verdict/scatter_tests.hpp"
@@ -24,45 +25,57 @@ struct Comparison {
   const UpdatingProblem& problem;
   const MatchedEstimate& estimate;
   const IterationRecord& state;
-  TestMoments tests;
-  Eigen::VectorXd residual;     // z - y
-  Eigen::MatrixXd of_test;      // C + R
-  Eigen::MatrixXd of_cloud;     // C / N, of the cloud's mean
-  Eigen::MatrixXd directions;   // B
-  double specimens = 0.0;       // with the output that was tested least
-  bool is_noise_known = false;  // of every output
-  bool has_gaps = false;        // entries are missing
-  bool is_scattered = true;     // every output, among the tests
+  MatchedResiduals residuals;
+  Eigen::MatrixXd of_cloud;               // C / N, of the cloud's mean
+  double specimens = 0.0;                 // with the output that was tested least
+  bool is_noise_known = false;            // of every output
+  bool has_gaps = false;                  // entries are missing
+  bool has_error = false;                 // of the model, stated
+  bool is_scattered = true;               // every output, among the tests
+  bool needs_own = false;                 // residuals of each specimen in its own unmoved directions ...
+  std::optional<MeanResiduals> own = {};  // ... which are not known where the model fails at one
+
+  bool are_means_by_specimen() const { return needs_own && estimate.is_by_specimen; }
 };
 
 Comparison compare(const UpdatingProblem& problem, const MatchedEstimate& estimate, const UpdatingResult& result) {
   const IterationRecord& state = result.history.back();
-  Comparison c{problem, estimate, state, test_moments(problem.tests), {}, {}, {}, {}};
-  c.residual = c.tests.mean - (estimate.means.size() > 0 ? estimate.means : state.output_mean);
+  Eigen::MatrixXd of_test = state.output_covariance;
+  of_test.diagonal() += problem.tests.repeatability_std.cwiseAbs2();
+  Comparison c{problem,
+               estimate,
+               state,
+               MatchedResiduals::between(
+                   test_moments(problem.tests), estimate.means.size() > 0 ? estimate.means : state.output_mean, of_test,
+                   estimate.sensitivity, prior_on_scales(problem.space).covariance.diagonal().cwiseSqrt()),
+               {}};
   c.has_gaps = problem.tests.values.array().isNaN().any();
-  c.of_test = state.output_covariance;
-  c.of_test.diagonal() += problem.tests.repeatability_std.cwiseAbs2();
   c.of_cloud =
       state.output_covariance / static_cast<double>(std::max<Eigen::Index>(state.cloud.valid().outputs.rows(), 1));
-  c.specimens = c.tests.count.minCoeff();
+  c.specimens = c.residuals.tests.count.minCoeff();
   c.is_noise_known = (problem.tests.repeatability_std.array() > 0.0).all();
-  c.is_scattered = (counts_with_scatter(c.tests).array() > 0).all();
-  Eigen::VectorXd scale = c.of_test.diagonal().cwiseMax(c.tests.covariance.diagonal()).cwiseSqrt();
-  scale = scale.cwiseMax(k_last_digits * c.tests.mean.cwiseAbs());
-  scale = (scale.array() > 0.0).select(scale, c.tests.mean.cwiseAbs().cwiseMax(1e-300));
-  c.directions =
-      unmoved_directions(estimate.sensitivity, scale, prior_on_scales(problem.space).covariance.diagonal().cwiseSqrt());
+  c.has_error = (problem.tests.model_error_variance().array() > 0.0).any();
+  c.needs_own = c.is_noise_known && c.residuals.directions.cols() > 0 && (estimate.is_by_specimen || c.has_error);
+  c.is_scattered = (counts_with_scatter(c.residuals.tests).array() > 0).all();
   return c;
 }
 
-/// r' B (B' M B)^-1 B' r; negative where M is singular in a direction.
-double squared_distance(const Comparison& c, const Eigen::MatrixXd& covariance) {
-  const Eigen::MatrixXd own = c.directions.transpose() * covariance * c.directions;
-  const Eigen::VectorXd off = c.directions.transpose() * c.residual;
-  constexpr double k_singular = 1e-12;
-  const Eigen::VectorXd pivots = semidefinite_pivots(own);
-  if (!(pivots.minCoeff() > k_singular * pivots.maxCoeff())) return -1.0;
-  return off.dot(solve_semidefinite(own, off));
+/// Each specimen's residuals in its own unmoved directions; nothing: the model fails at one.
+std::optional<MeanResiduals> residuals_by_specimen(const Comparison& c, const RunContext& context,
+                                                   std::int64_t& evaluations) {
+  const Eigen::MatrixXd& values = c.problem.tests.values;
+  const HoldingPopulation population{c.estimate.mean, prior_on_scales(c.problem.space).covariance,
+                                     c.problem.tests.repeatability_std.cwiseAbs2()};
+  const Eigen::Index q = c.estimate.mean.size();
+  const Eigen::VectorXd error = c.problem.tests.model_error_variance().cwiseSqrt();
+  try {
+    const SpecimenFits fits = fit_specimens(
+        c.problem, values, population, {c.estimate.mean.transpose().replicate(values.rows(), 1)}, context, evaluations);
+    return specimen_residuals(c.problem, population, fits, Eigen::MatrixXd::Identity(q, q),
+                              c.has_error ? error : Eigen::VectorXd(), context, evaluations);
+  } catch (const SystemFailure&) {
+    return std::nullopt;
+  }
 }
 
 Power mean_power(double noncentrality, double specimens) {
@@ -73,17 +86,33 @@ Power mean_power(double noncentrality, double specimens) {
       shift <= k_gross_error};
 }
 
+constexpr const char* k_own_unknown =
+    "the model fails at the parameters of a specimen, so that its residuals are not known.";
+
+/// Means of the specimens' residuals, each in its own unmoved directions.
+void plan_own_means(const Comparison& c, TestPlan& plan) {
+  if (!c.own || c.own->mean_degrees_of_freedom <= 0.0) {
+    plan.leave_untested(Aspect::means, fmt::format("The means were not tested: {}", k_own_unknown));
+    return;
+  }
+  MeanResiduals own = *c.own;
+  if (own.own_noncentrality.size() > 0)
+    own.own_noncentrality.array() *= c.residuals.tests.covariance.diagonal().array();
+  plan_mean_residuals(own, plan);
+}
+
 void plan_mean_test(const Comparison& c, TestPlan& plan) {
-  const auto d = static_cast<double>(c.directions.cols());
+  const auto d = static_cast<double>(c.residuals.directions.cols());
   const double n = c.specimens;
   if (d == 0.0) {
     plan.leave_untested_for_lack_of_outputs(
         Aspect::means,
         fmt::format("The means were not tested: {} outputs are no more than the identifiable combinations of "
                     "parameters, which can match any means. {}",
-                    c.residual.size(), k_more_outputs));
+                    c.residuals.residual.size(), k_more_outputs));
     return;
   }
+  if (c.are_means_by_specimen()) return plan_own_means(c, plan);
   if (c.has_gaps) {
     plan.leave_untested(Aspect::means, gaps_untested(Aspect::means, c.estimate.method));
     return;
@@ -95,18 +124,21 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
         "noise is not known. Give [test] repeatability of every output.");
     return;
   }
-  if (!c.residual.allFinite()) {
+  if (!c.residuals.residual.allFinite()) {
     plan.leave_untested(Aspect::means, k_curvature_unknown);
     return;
   }
   PlannedTest test;
   if (c.is_noise_known) {
-    const double squares = squared_distance(c, covariance_of_tests_mean(c.problem.tests, c.of_test) + c.of_cloud);
+    const double squares =
+        c.residuals.mean_squares(covariance_of_tests_mean(c.problem.tests, c.residuals.of_test) + c.of_cloud);
     test = chi_squared_test("mean-agreement", squares, d);
     test.power = [=](double level) { return mean_power(chi_squared_detectable(d, level), n); };
   } else {
     const double squares =
-        n > d ? squared_distance(c, covariance_of_tests_mean(c.problem.tests, c.tests.covariance) + c.of_cloud) : -1.0;
+        n > d ? c.residuals.mean_squares(covariance_of_tests_mean(c.problem.tests, c.residuals.tests.covariance) +
+                                         c.of_cloud)
+              : -1.0;
     if (squares < 0.0) {
       plan.leave_untested(Aspect::means,
                           fmt::format("The means were not tested: {:.0f} specimens are too few for {} of the "
@@ -115,7 +147,7 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
                                       n, directions_text(d)));
       return;
     }
-    test = f_test("mean-agreement", squares * (n - d) / ((n - 1.0) * d), d, n - d);
+    test = f_test("mean-agreement", as_f(squares, n, d), d, n - d);
     test.power = [=](double level) { return mean_power(f_detectable(d, n - d, level), n); };
   }
   test.aspect = Aspect::means;
@@ -126,25 +158,8 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
   plan.add(std::move(test));
 }
 
-/// Each specimen's residuals in its own unmoved directions; nothing: the model fails at one.
-std::optional<MeanResiduals> residuals_by_specimen(const Comparison& c, const RunContext& context,
-                                                   std::int64_t& evaluations) {
-  const Eigen::MatrixXd& values = c.problem.tests.values;
-  const HoldingPopulation population{c.estimate.mean, prior_on_scales(c.problem.space).covariance,
-                                     c.problem.tests.repeatability_std.cwiseAbs2()};
-  const Eigen::Index q = c.estimate.mean.size();
-  try {
-    const SpecimenFits fits = fit_specimens(
-        c.problem, values, population, {c.estimate.mean.transpose().replicate(values.rows(), 1)}, context, evaluations);
-    return specimen_residuals(c.problem, population, fits, Eigen::MatrixXd::Identity(q, q),
-                              c.problem.tests.model_error_variance().cwiseSqrt(), context, evaluations);
-  } catch (const SystemFailure&) {
-    return std::nullopt;
-  }
-}
-
-void plan_residual_scatter(const Comparison& c, const RunContext& context, TestPlan& plan, std::int64_t& evaluations) {
-  const Eigen::MatrixXd& b = c.directions;
+void plan_residual_scatter(const Comparison& c, TestPlan& plan) {
+  const Eigen::MatrixXd& b = c.residuals.directions;
   if (b.cols() == 0) {
     plan.leave_untested(Aspect::scatter,
                         fmt::format("The scatter was not tested: the covariance of the parameters can match that of "
@@ -159,21 +174,19 @@ void plan_residual_scatter(const Comparison& c, const RunContext& context, TestP
                         "\"maximum-likelihood\", which estimates the noise.");
     return;
   }
-  if (c.has_gaps) {
+  if (c.has_gaps && !c.estimate.is_by_specimen) {
     plan.leave_untested(Aspect::scatter, gaps_untested(Aspect::scatter, c.estimate.method));
     return;
   }
-  const CholeskyFactor factor(b.transpose() * c.of_test * b);
+  const CholeskyFactor factor(b.transpose() * c.residuals.of_test * b);
   const Eigen::MatrixXd whitened = factor.solve_lower(b.transpose());
   const auto d = static_cast<double>(b.cols());
-  double degrees_of_freedom = c.tests.count.cast<double>().mean() - 1.0;
-  double squares = degrees_of_freedom * (whitened * c.tests.covariance * whitened.transpose()).trace();
-  if ((c.problem.tests.model_error_variance().array() > 0.0).any()) {
-    const std::optional<MeanResiduals> own = residuals_by_specimen(c, context, evaluations);
+  double degrees_of_freedom = c.residuals.degrees_of_freedom();
+  double squares = c.residuals.scatter_squares();
+  if (c.needs_own) {
+    const std::optional<MeanResiduals>& own = c.own;
     if (!own || own->degrees_of_freedom <= 0.0) {
-      plan.leave_untested(Aspect::scatter,
-                          "The scatter was not tested: the model fails at the parameters of a specimen, so that its "
-                          "residuals are not known.");
+      plan.leave_untested(Aspect::scatter, fmt::format("The scatter was not tested: {}", k_own_unknown));
       return;
     }
     squares = own->squares;
@@ -181,16 +194,17 @@ void plan_residual_scatter(const Comparison& c, const RunContext& context, TestP
   }
   plan.add(residual_scatter_test(
       squares, degrees_of_freedom, d,
-      {whitened.colwise().squaredNorm().transpose(), c.of_test.diagonal(), output_names(c.problem)}));
+      {whitened.colwise().squaredNorm().transpose(), c.residuals.of_test.diagonal(), output_names(c.problem)}));
 }
 
 void plan_cloud_agreement(const Comparison& c, TestPlan& plan) {
   if (c.has_gaps) return;  // the parameters match a covariance of which each entry is of other specimens
-  Eigen::VectorXd model = c.of_test.diagonal();
+  Eigen::VectorXd model = c.residuals.of_test.diagonal();
   const Eigen::VectorXd& noise = c.problem.tests.repeatability_std;
   if (c.estimate.scatter == Scatter::with_noise) {
     // The cloud has the noise already, but for what of it no parameter takes up: R - P R P', P = G T.
-    const Eigen::VectorXd weight = (noise.array() > 0.0).select(noise, c.tests.covariance.diagonal().cwiseSqrt());
+    const Eigen::VectorXd weight =
+        (noise.array() > 0.0).select(noise, c.residuals.tests.covariance.diagonal().cwiseSqrt());
     const Eigen::VectorXd whitening = weight.cwiseMax(1e-300).cwiseInverse();
     const Eigen::MatrixXd gain = least_change_gain(whitening.asDiagonal() * c.estimate.sensitivity,
                                                    prior_on_scales(c.problem.space).covariance.diagonal().cwiseSqrt())
@@ -201,14 +215,17 @@ void plan_cloud_agreement(const Comparison& c, TestPlan& plan) {
   }
   std::vector<bool> is_whole;
   for (const double sigma : noise) is_whole.push_back(sigma > 0.0);
-  plan.add(cloud_agreement_test({c.tests.covariance.diagonal(), model, c.state.cloud.valid().outputs,
-                                 counts_with_scatter(c.tests), is_whole, output_names(c.problem)}));
+  PlannedTest test =
+      cloud_agreement_test({c.residuals.tests.covariance.diagonal(), model, c.state.cloud.valid().outputs,
+                            counts_with_scatter(c.residuals.tests), is_whole, output_names(c.problem)});
+  if (c.estimate.cloud_scatter.simulated.size() > 0) judge_by_studies(c.estimate.cloud_scatter, {}, test);
+  plan.add(std::move(test));
 }
 
 /// The output whose scatter in the cloud differs most from that of the tests.
 void say_scatter_is_not_estimated(const Comparison& c, TestPlan& plan) {
   const Eigen::ArrayXd ratio =
-      (c.of_test.diagonal().array() / c.tests.covariance.diagonal().array().max(1e-300)).sqrt();
+      (c.residuals.of_test.diagonal().array() / c.residuals.tests.covariance.diagonal().array().max(1e-300)).sqrt();
   Eigen::Index worst = 0;
   ratio.max(1e-300).log().abs().maxCoeff(&worst);
   plan.leave_untested(
@@ -221,10 +238,11 @@ void say_scatter_is_not_estimated(const Comparison& c, TestPlan& plan) {
 
 /// One Gauss-Newton step that no bound stops, and the sampling covariance of where it leads.
 FreeMean free_mean(const Comparison& c) {
-  const Eigen::MatrixXd covariance = covariance_of_tests_mean(c.problem.tests, c.tests.covariance) + c.of_cloud;
+  const Eigen::MatrixXd covariance =
+      covariance_of_tests_mean(c.problem.tests, c.residuals.tests.covariance) + c.of_cloud;
   const Eigen::VectorXd whitening = covariance.diagonal()
                                         .cwiseSqrt()
-                                        .cwiseMax(k_last_digits * c.tests.mean.cwiseAbs())
+                                        .cwiseMax(k_last_digits * c.residuals.tests.mean.cwiseAbs())
                                         .cwiseMax(1e-300)
                                         .cwiseInverse();
   const Eigen::MatrixXd gain = least_change_gain(whitening.asDiagonal() * c.estimate.sensitivity,
@@ -232,7 +250,7 @@ FreeMean free_mean(const Comparison& c) {
                                    .matrix *
                                whitening.asDiagonal();
   // What curvature adds to the tests' means is no misfit of the mean that the method looks for.
-  const Eigen::VectorXd residual = c.tests.mean - c.state.output_mean;
+  const Eigen::VectorXd residual = c.residuals.tests.mean - c.state.output_mean;
   return {c.estimate.mean + gain * residual, gain * covariance * gain.transpose(), c.specimens - 1.0};
 }
 
@@ -256,27 +274,20 @@ Eigen::MatrixXd covariance_of_tests_mean(const TestData& tests, const Eigen::Ref
   return result;
 }
 
-Eigen::MatrixXd unmoved_directions(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
-                                   const Eigen::Ref<const Eigen::VectorXd>& output_scale,
-                                   const Eigen::Ref<const Eigen::VectorXd>& parameter_scale) {
-  constexpr double k_unseen = 1e-6;
-  const Eigen::VectorXd unit = output_scale.cwiseInverse();
-  const SingularValues svd(unit.asDiagonal() * sensitivity * parameter_scale.asDiagonal(), Eigen::ComputeFullU);
-  const Eigen::VectorXd& values = svd.values();
-  const Eigen::Index rank = (values.array() > k_unseen * values(0)).count();
-  return unit.asDiagonal() * svd.left().rightCols(sensitivity.rows() - rank);
-}
-
 void test_matched_moments(const UpdatingProblem& problem, const MatchedEstimate& estimate, const RunContext& context,
                           UpdatingResult& result) {
   if (!estimate.sensitivity.allFinite() || estimate.sensitivity.size() == 0) return;  // stopped before the first step
-  const Comparison comparison = compare(problem, estimate, result);
+  Comparison comparison = compare(problem, estimate, result);
+  const bool is_scatter_tested = estimate.scatter != Scatter::not_estimated;
+  if (comparison.needs_own && (is_scatter_tested || comparison.are_means_by_specimen())) {
+    comparison.own = residuals_by_specimen(comparison, context, result.model_evaluations);
+  }
   TestPlan plan;
   plan_mean_test(comparison, plan);
-  if (estimate.scatter == Scatter::not_estimated) {
+  if (!is_scatter_tested) {
     say_scatter_is_not_estimated(comparison, plan);
   } else {
-    plan_residual_scatter(comparison, context, plan, result.model_evaluations);
+    plan_residual_scatter(comparison, plan);
     plan_cloud_agreement(comparison, plan);
   }
   const FreeMean free = free_mean(comparison);

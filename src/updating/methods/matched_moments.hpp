@@ -5,7 +5,9 @@
 #include <string>
 
 #include "mottle/layers.hpp"
+#include "updating/methods/matched_residuals.hpp"
 #include "updating/methods/mean_limits.hpp"
+#include "updating/verdict/simulated_law.hpp"
 
 namespace mottle::updating {
 
@@ -20,6 +22,11 @@ struct MatchedEstimate {
   Scatter scatter = Scatter::not_estimated;
   /// Outputs' means of specimens that scatter as the tests do; nan: not known; empty: those of the cloud [output].
   Eigen::VectorXd means = {};
+  /// Where the noise is known: means and residuals are those of each specimen in its own unmoved directions, which do
+  /// not depend on the estimate's scatter.
+  bool is_by_specimen = false;
+  /// Of scatter-agreement; without studies it has its closed law.
+  StudiedStatistic cloud_scatter = {};
 };
 
 inline constexpr const char* k_curvature_unknown =
@@ -34,15 +41,6 @@ std::string gaps_untested(Aspect aspect, const std::string& method);
 /// output], and a given error D of the model, which all specimens have in common.
 Eigen::MatrixXd covariance_of_tests_mean(const TestData& tests, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
-/// Directions of the outputs that no parameter moves: B with B' G = 0 [output x direction].
-///
-/// @param output_scale     typical size of a difference in each output, > 0
-/// @param parameter_scale  the same of the parameters
-/// Singular values below 1e-6 of the largest count as zero.
-Eigen::MatrixXd unmoved_directions(const Eigen::Ref<const Eigen::MatrixXd>& sensitivity,
-                                   const Eigen::Ref<const Eigen::VectorXd>& output_scale,
-                                   const Eigen::Ref<const Eigen::VectorXd>& parameter_scale);
-
 /// Puts the tests of the estimate into the result, which must have its history:
 ///
 ///   mean-agreement: means of tests and cloud in the p - q directions B that no parameter moves,
@@ -52,6 +50,9 @@ Eigen::MatrixXd unmoved_directions(const Eigen::Ref<const Eigen::MatrixXd>& sens
 ///   an
 ///     error, G is that of a displaced mean: the squares of MeanResiduals then, from fits of every specimen;
 ///   scatter-agreement, bounds, prior-shift: see scatter_tests.hpp, mean_limits.hpp.
+///
+/// By specimen: mean-residuals in place of mean-agreement, and the squares of MeanResiduals. A statistic that was
+/// simulated has the law of its simulations instead (simulated_law.hpp).
 ///
 /// z, V: mean and covariance of n tests; y, C: of the N samples of the cloud; G = dy/dt.
 void test_matched_moments(const UpdatingProblem& problem, const MatchedEstimate& estimate, const RunContext& context,

@@ -4,6 +4,7 @@
 #include "mottle/layers.hpp"
 #include "mottle/stats/population/population_intervals.hpp"
 #include "mottle/updating/methods/maximum_likelihood.hpp"
+#include "updating/population/mean_residuals.hpp"
 #include "updating/population/solved_population.hpp"
 #include "updating/verdict/test_plan.hpp"
 
@@ -42,6 +43,9 @@ Eigen::MatrixXd start_beside(const UpdatingProblem& problem, const PopulationFit
 /// Every specimen's most probable parameters and whitened residuals, from the fits, linear problem, effects, noise and
 /// model error of a fit.
 SpecimenEstimates estimate_specimens(const UpdatingProblem& problem, const PopulationFit& fit);
+
+/// Plans the test mean-residuals of known noise; `own_noncentrality` in units of the tests' standard deviations.
+void plan_mean_residuals(const MeanResiduals& residuals, TestPlan& plan);
 
 /// Plans the tests of residuals among test_population()'s, from the same and the directions that the outputs see.
 void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, const RunContext& context,

@@ -16,30 +16,6 @@
 namespace mottle::updating {
 namespace {
 
-void plan_mean_residuals(const MeanResiduals& residuals, TestPlan& plan) {
-  const double d = residuals.mean_degrees_of_freedom;
-  const auto n = static_cast<double>(residuals.values.rows());
-  PlannedTest test = chi_squared_test("mean-residuals", residuals.mean_squares, d);
-  test.aspect = Aspect::means;
-  const bool has_error = residuals.largest_variance > 1.0;
-  test.meaning = fmt::format(
-      "Mean residuals of {:.0f} specimens in {} that no parameter moves: are they no more than the measurement's "
-      "noise{}?",
-      n, directions_text(d), has_error ? " and the model's stated error" : "");
-  // In units of the noise and the model's error of one test together, in the direction where the mean shows least.
-  const double per_mean = residuals.largest_variance / (n + residuals.largest_variance - 1.0);
-  test.power = [=, own = residuals.own_noncentrality](double level) {
-    const double needed = chi_squared_detectable(d, level);
-    const double shift = std::sqrt(needed * per_mean);
-    // A stated error may be so large that any model agrees within it.
-    const bool hides_all = has_error && std::sqrt(needed / own.maxCoeff()) > k_gross_error;
-    return Power{fmt::format("means that are off by {:.2g} standard deviations of {} in one of them", shift,
-                             has_error ? "the noise and the model's stated error" : "the noise"),
-                 shift <= k_gross_error && !hides_all};
-  };
-  plan.add(std::move(test));
-}
-
 /// How an output's own scatter shows in the directions.
 ResidualLeverage leverage_of(const UpdatingProblem& problem, const PopulationFit& fit, const MeanResiduals& residuals) {
   const Eigen::MatrixXd design = fit.noise.cwiseSqrt().asDiagonal() * residuals.mean_design;
@@ -153,6 +129,30 @@ MeanResiduals residuals_of(const UpdatingProblem& problem, const PopulationFit& 
 }
 
 }  // namespace
+
+void plan_mean_residuals(const MeanResiduals& residuals, TestPlan& plan) {
+  const double d = residuals.mean_degrees_of_freedom;
+  const auto n = static_cast<double>(residuals.values.rows());
+  PlannedTest test = chi_squared_test("mean-residuals", residuals.mean_squares, d);
+  test.aspect = Aspect::means;
+  const bool has_error = residuals.largest_variance > 1.0;
+  test.meaning = fmt::format(
+      "Mean residuals of {:.0f} specimens in {} that no parameter moves: are they no more than the measurement's "
+      "noise{}?",
+      n, directions_text(d), has_error ? " and the model's stated error" : "");
+  // In units of the noise and the model's error of one test together, in the direction where the mean shows least.
+  const double per_mean = residuals.largest_variance / (n + residuals.largest_variance - 1.0);
+  test.power = [=, own = residuals.own_noncentrality](double level) {
+    const double needed = chi_squared_detectable(d, level);
+    const double shift = std::sqrt(needed * per_mean);
+    // A stated error may be so large that any model agrees within it.
+    const bool hides_all = has_error && std::sqrt(needed / own.maxCoeff()) > k_gross_error;
+    return Power{fmt::format("means that are off by {:.2g} standard deviations of {} in one of them", shift,
+                             has_error ? "the noise and the model's stated error" : "the noise"),
+                 shift <= k_gross_error && !hides_all};
+  };
+  plan.add(std::move(test));
+}
 
 void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fit, const RunContext& context,
                          TestPlan& plan, std::int64_t& evaluations) {

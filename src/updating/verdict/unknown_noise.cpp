@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/random.hpp"
@@ -12,6 +10,7 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "updating/fits/measured_outputs.hpp"
+#include "updating/verdict/simulated_law.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -68,50 +67,38 @@ class SimulatedStudies {
   std::vector<RandomEffectsUnit> units_;  // noise at the common levels
 };
 
-/// A statistic against those of simulated studies: the tests are one more of these where the model is right.
-PlannedTest simulated_test(std::string name, double statistic, std::vector<double> simulated) {
-  std::ranges::sort(simulated, std::greater());
-  const auto larger = std::ranges::count_if(simulated, [&](double each) { return each >= statistic; });
-  const auto studies = static_cast<double>(simulated.size() + 1);
-  return {.name = std::move(name),
-          .statistic = statistic,
-          .p_value = static_cast<double>(larger + 1) / studies,
-          .critical = [simulated = std::move(simulated), studies](double level) {
-            const auto allowed = static_cast<std::size_t>(std::floor(level * studies));
-            return allowed == 0 ? std::numeric_limits<double>::infinity() : simulated[allowed - 1];
-          }};
-}
-
-void plan_means(const MeanResiduals& residuals, std::vector<double> simulated, TestPlan& plan) {
+void plan_means(const MeanResiduals& residuals, const Eigen::VectorXd& simulated, TestPlan& plan) {
   const double d = residuals.mean_degrees_of_freedom;
   const auto n = static_cast<double>(residuals.values.rows());
-  PlannedTest test = simulated_test("mean-residuals", residuals.mean_squares, std::move(simulated));
+  PlannedTest test = chi_squared_test("mean-residuals", residuals.mean_squares, d);
   test.aspect = Aspect::means;
   test.meaning = fmt::format(
-      "Mean residuals of {:.0f} specimens in {} that no parameter moves, against simulated studies of a right model: "
-      "are "
-      "they no more than the measurement's noise, which is estimated{}?",
+      "Mean residuals of {:.0f} specimens in {} that no parameter moves: are they no more than the measurement's "
+      "noise, "
+      "which is estimated{}?",
       n, directions_text(d), residuals.largest_variance > 1.0 ? ", and the model's stated error" : "");
   const double per_mean = residuals.largest_variance / (n + residuals.largest_variance - 1.0);
-  test.power = [=, critical = test.critical](double level) {
-    const double beyond = chi_squared_upper_tail(critical(level), d);
-    if (!(beyond > 0.0)) return Power{"no error of the means", false};
-    const double shift = std::sqrt(chi_squared_detectable(d, beyond) * per_mean);
+  test.power = [=](double level) {
+    const double shift = std::sqrt(chi_squared_detectable(d, level) * per_mean);
     return Power{fmt::format("means that are off by {:.2g} standard deviations of the noise in one of them", shift),
                  shift <= k_gross_error};
   };
+  judge_by_studies(
+      {residuals.mean_squares, simulated}, [d](double squares) { return chi_squared_upper_tail(squares, d); }, test);
   plan.add(std::move(test));
 }
 
-void plan_scatter(const SimulatedStudies& studies, const MeanResiduals& residuals, double statistic,
-                  std::vector<double> simulated, TestPlan& plan) {
+void plan_scatter(const SimulatedStudies& studies, const MeanResiduals& residuals, const StudiedStatistic& largest,
+                  TestPlan& plan) {
   const auto d = static_cast<double>(residuals.directions.cols());
-  PlannedTest test = simulated_test("scatter-of-residuals", statistic, std::move(simulated));
+  PlannedTest test{.name = "scatter-of-residuals"};
   test.aspect = Aspect::scatter;
   test.meaning = fmt::format(
-      "Largest variance of the residuals in {} that no parameter moves, against simulated studies of a right model: is "
-      "it no more than noise of each output by itself makes?",
+      "Largest variance of the residuals in {} that no parameter moves: is it no more than noise of each output by "
+      "itself "
+      "makes?",
       directions_text(d));
+  judge_by_studies(largest, {}, test);
   test.power = [=, critical = test.critical](double level) {
     constexpr std::uint32_t k_studies = 40;
     for (const double own : {1.0, 1.5, 2.0, 3.0, k_gross_error}) {
@@ -134,21 +121,21 @@ void plan_tests_of_unknown_noise(const Eigen::MatrixXd& values, const Population
   constexpr double k_studies = 20.0;  // beyond the level of all tests
   const auto count = static_cast<std::uint32_t>(std::clamp(std::ceil(k_studies / level), 200.0, 3000.0));
   const SimulatedStudies studies(values, fit);
-  std::vector<double> means;
-  std::vector<double> scatter;
+  Eigen::VectorXd means(count);
+  Eigen::VectorXd scatter(count);
   for (std::uint32_t r = 0; r < count; ++r) {
     const Statistics drawn = studies.draw(1000 + r);
-    means.push_back(drawn.means);
-    scatter.push_back(drawn.scatter);
+    means(r) = drawn.means;
+    scatter(r) = drawn.scatter;
   }
-  if (fit.settings.levels == 0) plan_means(residuals, std::move(means), plan);
+  if (fit.settings.levels == 0) plan_means(residuals, means, plan);
   if (!fit.noise_of_residuals.has_own_levels || residuals.directions.cols() < 2) {
     plan.leave_untested(Aspect::scatter,
                         "The scatter was not tested: the residuals that are left determine the level of the noise and "
                         "no more. Give [test] repeatability of every output, or measure further outputs.");
     return;
   }
-  plan_scatter(studies, residuals, statistics_of(residuals).scatter, std::move(scatter), plan);
+  plan_scatter(studies, residuals, {statistics_of(residuals).scatter, scatter}, plan);
 }
 
 }  // namespace mottle::updating
