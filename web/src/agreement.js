@@ -1,5 +1,6 @@
 // How well the updated model reproduces the tests, as the result says it, and what it found of each parameter.
 import { is_number, list, number_or_null, record } from "./data.js";
+import { is_box } from "./population.js";
 import { number_of_factor } from "./units.js";
 
 /** "adequate", "inadequate", "undecided", or null where there is no verdict; older results say true or false alone. */
@@ -30,7 +31,7 @@ export function is_not_reproduced({ result }) {
 
 const interval_or_null = (values) => (list(values).filter(is_number).length === 2 ? values : null);
 
-/** One parameter's bar, {name, unit, mark, reason, prior, estimate, interval, specimens, number, bounds}; missing parts are null. */
+/** One parameter's bar, {name, unit, mark, reason, prior, estimate, interval, is_box, specimens, number, bounds}; missing parts are null. */
 export function findings_of(study) {
   const { parameters: block } = study;
   return study.parameter_axes.map(({ index, name, unit }) => {
@@ -44,6 +45,7 @@ export function findings_of(study) {
       mark: finding.mark ?? (list(block.at_bound)[index] ? "at-bound" : null),
       side: list(block.at_bound)[index] ?? null,
       reason: finding.reason ?? "",
+      is_box: is_box(study),
       is_confirmed: conclusion_of(record(study.result.verdict)) === "adequate",
       prior: interval_or_null(finding.prior95),
       prior_mean: number_or_null(list(block.prior_mean)[index]),

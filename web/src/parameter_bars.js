@@ -71,7 +71,7 @@ export function spoken(finding) {
   const parts = [
     prior ? `prior ${range_text(prior)}` : null,
     is_number(estimate) ? `estimate ${number_text(estimate)}` : null,
-    interval ? `95 % interval ${range_text(interval)}` : null,
+    interval ? `${finding.is_box ? "box" : "95 % interval"} ${range_text(interval)}` : null,
   ].filter(Boolean);
   return `${name}: ${parts.join(", ")}${unit_text(unit)}`;
 }
@@ -110,8 +110,10 @@ export function key(findings) {
     { class: "bar-key", "aria-hidden": "true" },
     any("prior") ? entry("prior", "prior, 95 %") : null,
     any("specimens") ? entry("specimens", "specimens, 95 %") : null,
-    any("interval") ? entry("interval", "mean, 95 % interval") : null,
-    findings.some(({ estimate }) => is_number(estimate)) ? entry("estimate", "estimate") : null,
+    any("interval") ? entry("interval", any("is_box") ? "box: bounds of the parameter" : "mean, 95 % interval") : null,
+    findings.some(({ estimate }) => is_number(estimate))
+      ? entry("estimate", any("is_box") ? "middle of the box" : "estimate")
+      : null,
     findings.some(({ bounds }) => bounds.some(is_number)) ? entry("bound", "bound") : null,
   );
 }

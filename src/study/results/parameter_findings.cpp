@@ -68,11 +68,43 @@ std::string doubt_of(const UpdatingResult& result, Conclusion conclusion) {
   return {};
 }
 
+/// Mark and reason of a parameter of a box. How wide an end lies says how far the parameter varies, not how well it is
+/// known: a box wider than the prior is no sign that the tests say little.
+void judge_box(const UpdatingProblem& problem, const UpdatingResult& result, Conclusion conclusion,
+               const std::string& unseen, ParameterFinding& finding, Eigen::Index i) {
+  const ParameterBox& box = result.interval->box;
+  constexpr double k_at_end = 1e-3;  // of the width: the search stops a little inside of what the bounds allow
+  const Parameter& parameter = problem.space.parameters()[static_cast<std::size_t>(i)];
+  const double slack = k_at_end * (box.upper(i) - box.lower(i));
+  const bool is_at_lower = box.lower(i) <= parameter.lower_bound + slack;
+  const bool is_at_upper = box.upper(i) >= parameter.upper_bound - slack;
+  const std::string doubt = doubt_of(result, conclusion);
+  if (!unseen.empty()) {
+    finding.mark = Mark::not_seen;
+    finding.reason = unseen;
+  } else if (is_at_lower || is_at_upper) {
+    finding.mark = Mark::at_bound;
+    finding.reason =
+        fmt::format("Its box ends on {}: to cover the tests' bounds it may have to be wider than the bounds allow.",
+                    is_at_lower && is_at_upper
+                        ? fmt::format("both bounds, {:.6g} and {:.6g}", parameter.lower_bound, parameter.upper_bound)
+                        : fmt::format("the {} bound, {:.6g}", is_at_lower ? "lower" : "upper",
+                                      is_at_lower ? parameter.lower_bound : parameter.upper_bound));
+  } else if (!doubt.empty()) {
+    finding.mark = Mark::doubtful;
+    finding.reason = doubt;
+  } else {
+    finding.mark = Mark::found;
+    finding.reason = "Bounds, if the model is right: the box is the smallest that covers the tests' bounds.";
+  }
+}
+
 /// Mark and reason of a parameter whose intervals are set.
 void judge_parameter(const UpdatingProblem& problem, const UpdatingResult& result, Conclusion conclusion,
                      const std::string& unseen, ParameterFinding& finding, Eigen::Index i) {
   constexpr double k_as_wide_as_prior = 0.9;
   constexpr double k_wider = 1.2;
+  if (result.interval) return judge_box(problem, result, conclusion, unseen, finding, i);
   const int side = problem.space.active_bounds(result.location())(i);
   const bool has_others = result.intervals && result.intervals->mean.array().isFinite().any();
   const double width = finding.interval(1) - finding.interval(0);
@@ -93,9 +125,6 @@ void judge_parameter(const UpdatingProblem& problem, const UpdatingResult& resul
                                : fmt::format("{:.2g} times as wide as the prior's", width / prior_width)));
   }
   if (!doubt.empty()) return set(Mark::doubtful, doubt);
-  if (result.interval) {
-    return set(Mark::found, "Bounds, if the model is right: the box is the smallest that covers the tests' bounds.");
-  }
   if (!result.is_population) {
     return set(Mark::mean_only, "The mean alone, if the model is right: this method does not estimate the scatter.");
   }

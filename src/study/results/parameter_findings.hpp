@@ -32,7 +32,8 @@ std::string mark_text(ParameterFinding::Mark mark);
 
 /// A parameter is not seen where more than a hundredth of its prior variance lies in combinations that no output sees,
 /// where its interval is not determined although others' are, or where that interval is at least 0.9 times as wide as
-/// the prior's. Being on a bound counts first, then not being seen, then the verdict.
+/// the prior's. Being on a bound counts first, then not being seen, then the verdict. Of a box: unseen combinations
+/// count first, then an end on a bound, and its width is no sign.
 ///
 /// @param seen  what the outputs determine; null: not known
 std::vector<ParameterFinding> find_parameters(const UpdatingProblem& problem, const UpdatingResult& result,

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "mottle/updating/methods/interval.hpp"
 #include "support/linear_model.hpp"
 
 namespace mottle::study {
@@ -85,6 +86,18 @@ TEST(ParameterFindings, OfAMethodThatGivesTheMeanAloneAreOfTheMeanOnly) {
   const ParameterFinding finding = found.findings()[0];
   EXPECT_EQ(finding.mark, Mark::mean_only);
   EXPECT_NEAR(finding.interval(1), 1.2 + 0.1 * 1.959963984540054, 1e-9);
+}
+
+TEST(ParameterFindings, OfABoxWiderThanThePriorAreFoundAndNameAnEndOnABound) {
+  Found found;
+  found.result.intervals.reset();
+  auto box = std::make_shared<IntervalResult>();
+  box->box = {Eigen::Vector2d(-1.0, 0.5), Eigen::Vector2d(2.9, 3.0)};  // the prior's: 0.02 to 1.98
+  found.result.interval = box;
+  const std::vector<ParameterFinding> findings = found.findings();
+  EXPECT_EQ(findings[0].mark, Mark::found);
+  EXPECT_EQ(findings[1].mark, Mark::at_bound);
+  EXPECT_EQ(findings[1].reason.rfind("Its box ends on the upper bound, 3:", 0), 0U) << findings[1].reason;
 }
 
 TEST(ParameterFindings, OfABoundOnALogarithmicScaleNamesTheMedian) {
