@@ -1,6 +1,6 @@
 // The table of the outputs: tests against the first and the last cloud.
 import { agreement_rows } from "../src/agreement.js";
-import { is_number, list, number_or_null, percent_change, standard_deviations } from "../src/data.js";
+import { is_number, list, number_or_null, percent_change, record, standard_deviations } from "../src/data.js";
 import { percent_text } from "../src/format.js";
 import { data_table } from "../src/table.js";
 
@@ -16,6 +16,12 @@ function rows_of(study) {
   const deviations = Object.fromEntries(
     ["test", "initial", "final"].map((which) => [which, standard_deviations(block[`${which}_covariance`])]),
   );
+  const agreement = new Map(agreement_rows(study).map((row) => [row.name, row]));
+  // Near a node of a shape the result gives the error in percent of the largest component; older results give none.
+  const error = (name, which, from, to) => {
+    const { mean_error } = record(agreement.get(name)?.[which]);
+    return is_number(mean_error) ? 100 * mean_error : percent_change(from, to);
+  };
   return worst_first(study).map(({ index, name, unit }) => {
     const at = (field) => number_or_null(list(block[field])[index]);
     const std = (which) => number_or_null(deviations[which][index]);
@@ -26,10 +32,10 @@ function rows_of(study) {
       test_mean: at("test_mean"),
       test_std: std("test"),
       initial_mean: at("initial_mean"),
-      initial_error: percent_change(at("test_mean"), at("initial_mean")),
+      initial_error: error(name, "initial", at("test_mean"), at("initial_mean")),
       initial_std: std("initial"),
       final_mean: at("final_mean"),
-      final_error: percent_change(at("test_mean"), at("final_mean")),
+      final_error: error(name, "final", at("test_mean"), at("final_mean")),
       final_std: std("final"),
       model_error_std: at("model_error_std"),
       model_error_shift: number_or_null(list(block.model_error)[index]?.shift),
@@ -65,7 +71,7 @@ export default {
   is_in_print: true,
   has_data: (study) => study.is_update && list(study.outputs.names).length > 0,
   explained: [
-    ["Error", "Mean of the model's cloud minus mean of the tests, in percent of the latter."],
+    ["Error", "Mean of the model's cloud minus mean of the tests, in percent of the latter; near a node of a shape in percent of the shape's largest component."],
     ["Model error", "An error of the model that all specimens share; the shift is its estimate from the tests."],
   ],
   content(study) {

@@ -10,6 +10,7 @@
 #include "mottle/core/folders.hpp"
 #include "mottle/drivers/command/run_folders.hpp"
 #include "mottle/dynamics/modes/mode_set.hpp"
+#include "mottle/model/reference_sizes.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "mottle/study/results/run_folder.hpp"
 #include "study/jobs/checked_study.hpp"
@@ -59,7 +60,7 @@ Eigen::MatrixXd relative_changes(const StudyModel& made, const Eigen::VectorXd& 
     changes = changes.array().isFinite().select(changes, differences);
   }
   constexpr double k_rounding = 1e-12;
-  const Eigen::ArrayXXd relative = outputs.cwiseAbs().cwiseInverse().asDiagonal() * changes;
+  const Eigen::ArrayXXd relative = reference_sizes(model.outputs(), outputs).cwiseInverse().asDiagonal() * changes;
   return (relative.abs() < k_rounding).select(0.0, relative);
 }
 

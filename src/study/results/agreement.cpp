@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/model/reference_sizes.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
 #include "mottle/stats/tests/binomial_range.hpp"
 #include "mottle/stats/tests/hotelling.hpp"
@@ -23,11 +24,13 @@ struct AgreementWithTests {
   Eigen::VectorXd model_error;  // D, variance [output]
   const IterationRecord& first;
   const IterationRecord& last;
+  Eigen::VectorXd sizes = {};  // that errors of means are fractions of [output]
 };
 
 AgreementWithTests comparison_of(const UpdatingProblem& problem, const UpdatingResult& result) {
   AgreementWithTests c{test_moments(problem.tests), {}, {}, result.history.front(), result.history.back()};
   const Eigen::Index p = c.tests.mean.size();
+  c.sizes = reference_sizes(problem.model.outputs(), c.tests.mean);
   c.noise = result.noise_covariance.size() > 0 ? Eigen::VectorXd(result.noise_covariance.diagonal())
                                                : Eigen::VectorXd(problem.tests.repeatability_std.cwiseAbs2());
   c.model_error = Eigen::VectorXd::Zero(p);
@@ -58,7 +61,7 @@ CloudComparison compare_cloud(const AgreementWithTests& c, const IterationRecord
                                  c.model_error(k));
   CloudComparison comparison;
   comparison.mean_difference = state.output_mean(k) - c.tests.mean(k);
-  comparison.mean_error = c.tests.mean(k) == 0.0 ? k_nan : comparison.mean_difference / std::abs(c.tests.mean(k));
+  comparison.mean_error = c.sizes(k) == 0.0 ? k_nan : comparison.mean_difference / c.sizes(k);
   comparison.standard_errors = sampling > 0.0 ? comparison.mean_difference / error : k_nan;
   comparison.std_ratio = std::sqrt((state.output_covariance(k, k) + c.noise(k)) / tested);
   return comparison;

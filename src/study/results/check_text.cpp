@@ -5,6 +5,7 @@
 #include "mottle/core/clock.hpp"
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/model/reference_sizes.hpp"
 #include "mottle/study/jobs/check.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "study/jobs/checked_study.hpp"
@@ -135,6 +136,7 @@ void describe_reach_of_parameters(const CheckOutcome& outcome, std::vector<std::
   const StudyModel& made = outcome.checked->made();
   const std::vector<Quantity>& outputs = made.model->outputs();
   const std::vector<std::string> names = made.space->names();
+  const Eigen::VectorXd sizes_of_outputs = reference_sizes(outputs, outcome.outputs);
   for (Eigen::Index i = 0; i < outcome.changes.cols(); ++i) {
     Eigen::Index output = 0;
     const Eigen::VectorXd sizes =
@@ -147,9 +149,10 @@ void describe_reach_of_parameters(const CheckOutcome& outcome, std::vector<std::
     } else if (largest == 0.0) {
       lines.push_back(fmt::format("warning: {} changes no output", name));
     } else {
-      lines.push_back(fmt::format("{} changes {} most: {:+.2g} % by one prior standard deviation", name,
-                                  outputs[static_cast<std::size_t>(output)].name(),
-                                  100.0 * outcome.changes(output, i)));
+      const bool is_near_node = sizes_of_outputs(output) > std::abs(outcome.outputs(output));
+      lines.push_back(fmt::format("{} changes {} most: {:+.2g} %{} by one prior standard deviation", name,
+                                  outputs[static_cast<std::size_t>(output)].name(), 100.0 * outcome.changes(output, i),
+                                  is_near_node ? " of its shape's largest component" : ""));
     }
   }
   if (names.size() > outputs.size()) {

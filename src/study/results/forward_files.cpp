@@ -6,6 +6,7 @@
 #include "mottle/core/clock.hpp"
 #include "mottle/core/shell_word.hpp"
 #include "mottle/formats/tables/csv.hpp"
+#include "mottle/model/reference_sizes.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/study/jobs/forward.hpp"
 #include "mottle/study/results/run_folder.hpp"
@@ -50,7 +51,8 @@ Json propagated_outputs(const PropagateOutcome& outcome) {
   json["initial_mean"] = to_json(sample_mean(valid.outputs));
   json["initial_covariance"] = to_json_rows(sample_covariance(valid.outputs));
   json["coefficient_of_variation"] =
-      to_json(sample_standard_deviation(valid.outputs).cwiseQuotient(sample_mean(valid.outputs).cwiseAbs()));
+      to_json(sample_standard_deviation(valid.outputs)
+                  .cwiseQuotient(reference_sizes(outcome.made.model->outputs(), sample_mean(valid.outputs))));
   json["interval95"] = to_json_rows(sample_intervals(valid.outputs));
   return json;
 }
@@ -72,7 +74,7 @@ Json outcome_json(const PropagateOutcome& outcome) {
                                        {"output_covariance", to_json_rows(covariance)},
                                        {"ellipses", ellipses_json(mean, covariance)}}});
   }
-  add_cloud_analysis(json, cloud, cloud);
+  add_cloud_analysis(outcome.made.model->outputs(), json, cloud, cloud);
   json["model_evaluations"] = cloud.samples.rows();
   json["rejected_draws"] = rejected_draws_json(cloud.rejected);
   json["failed_evaluations"] = failures_json(cloud.failures, 0);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "mottle/core/error.hpp"
+#include "mottle/model/reference_sizes.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/moments/ellipse.hpp"
 #include "mottle/stats/moments/spearman.hpp"
@@ -153,14 +154,17 @@ Json result_head(const Study& study, const std::string& command) {
 }
 
 /// Change of each output in percent for one percent of each parameter, at the means of the cloud; null where a mean
-/// output is zero.
-Json relative_sensitivity_json(const Eigen::MatrixXd& sensitivity, const Cloud::Valid& cloud) {
+/// output is zero. Near a node of a shape: in percent of its largest component.
+Json relative_sensitivity_json(const std::vector<Quantity>& outputs, const Eigen::MatrixXd& sensitivity,
+                               const Cloud::Valid& cloud) {
   const Eigen::VectorXd x = sample_mean(cloud.samples);
   const Eigen::VectorXd y = sample_mean(cloud.outputs);
-  return to_json_rows(y.cwiseAbs().cwiseInverse().asDiagonal() * sensitivity * x.cwiseAbs().asDiagonal());
+  return to_json_rows(reference_sizes(outputs, y).cwiseInverse().asDiagonal() * sensitivity *
+                      x.cwiseAbs().asDiagonal());
 }
 
-void add_cloud_analysis(Json& result, const Cloud& regressed, const Cloud& ranked) {
+void add_cloud_analysis(const std::vector<Quantity>& outputs, Json& result, const Cloud& regressed,
+                        const Cloud& ranked) {
   const Cloud::Valid last = regressed.valid();
   const Cloud::Valid first = ranked.valid();
   const Eigen::Index q = last.samples.cols();
@@ -170,7 +174,7 @@ void add_cloud_analysis(Json& result, const Cloud& regressed, const Cloud& ranke
     try {
       const LinearRegression fit = linear_regression(last.samples, last.outputs);
       result["regression"] = {{"sensitivity", to_json_rows(fit.sensitivity)},
-                              {"percent_per_percent", relative_sensitivity_json(fit.sensitivity, last)},
+                              {"percent_per_percent", relative_sensitivity_json(outputs, fit.sensitivity, last)},
                               {"standard_error", to_json_rows(fit.standard_error)},
                               {"r_squared", to_json(fit.r_squared)},
                               {"condition", number_json(fit.condition)},
@@ -293,7 +297,7 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
       result.search ? Json({{"starts", result.search->starts}, {"settled", result.search->is_settled}}) : Json(nullptr);
   json["specimens"] = specimens_json(result, problem.tests);
   json["test_ellipses"] = ellipses_json(moments.mean, moments.covariance);
-  add_cloud_analysis(json, last.cloud, first.cloud);
+  add_cloud_analysis(problem.model.outputs(), json, last.cloud, first.cloud);
   json["sample_size"] = sample_size_json(problem, last);
   json["verdict"] = verdict_json(verdict);
   const std::optional<Identifiability> seen = identify(problem, result);

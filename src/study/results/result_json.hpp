@@ -38,7 +38,8 @@ Json outputs_json(const std::vector<Quantity>& outputs);
 Json updated_outputs_json(const UpdatingProblem& problem, const TestMoments& tests, const UpdatingResult& result);
 
 /// regression, r_squared_quadratic and spearman of a cloud; null where the cloud has no scatter in some parameter.
-void add_cloud_analysis(Json& result, const Cloud& regressed, const Cloud& ranked);
+void add_cloud_analysis(const std::vector<Quantity>& outputs, Json& result, const Cloud& regressed,
+                        const Cloud& ranked);
 
 Json ellipses_json(const Eigen::Ref<const Eigen::VectorXd>& mean, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
