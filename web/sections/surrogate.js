@@ -20,6 +20,7 @@ function table(study, rounds) {
       carried_error: number_or_null(list(last.carried_error)[k]),
       first: number_or_null(list(rounds[0].error_at_estimate)[k]),
       error_at_estimate: at_estimate,
+      scatter: number_or_null(list(last.scatter_error_at_estimate)[k]),
       share: is_number(at_estimate) && scatter[k] > 0 ? at_estimate / scatter[k] : null,
     };
   });
@@ -39,10 +40,20 @@ function table(study, rounds) {
         text: percent,
         of_class: ({ share }) => (is_number(share) && is_number(tolerance) && share > tolerance ? "flag" : null),
       },
+      rows.some(({ scatter }) => is_number(scatter))
+        ? {
+            key: "scatter",
+            title: "Of its std. dev.",
+            group: "At the estimate",
+            text: percent,
+            of_class: ({ scatter }) =>
+              is_number(scatter) && is_number(tolerance) && Math.abs(scatter) > tolerance ? "flag" : null,
+          }
+        : null,
       { key: "carried_error", title: "Added to the noise" },
     ].filter(Boolean),
     rows,
-    caption: "At the estimate: over new model runs drawn from the updated population. Set off: above what was asked for.",
+    caption: "At the estimate: over new model runs drawn from the updated population. Of its std. dev.: how far the surrogate's standard deviation over these runs is off the model's. Set off: above what was asked for.",
   });
 }
 

@@ -384,7 +384,7 @@ function population() {
     within_tolerance: false,
     rounds: [
       { runs: 30, carried_error: [0.0021, 0.004, 0.011], error_at_estimate: [0.0009, 0.0012, 0.0061] },
-      { runs: 40, carried_error: [0.0009, 0.0012, 0.0061], error_at_estimate: [0.0004, 0.0005, 0.0058] },
+      { runs: 40, carried_error: [0.0009, 0.0012, 0.0061], error_at_estimate: [0.0004, 0.0005, 0.0058], scatter_error_at_estimate: [0.01, -0.22, 0.04] },
     ],
   };
   return data;

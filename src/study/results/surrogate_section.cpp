@@ -7,7 +7,8 @@ Json surrogate_json(const SurrogateSettings& settings, const SurrogateUpdate& up
   for (const SurrogateRound& round : update.rounds()) {
     rounds.push_back({{"runs", round.runs},
                       {"carried_error", to_json(round.carried_error)},
-                      {"error_at_estimate", to_json(round.error_at_estimate)}});
+                      {"error_at_estimate", to_json(round.error_at_estimate)},
+                      {"scatter_error_at_estimate", to_json(round.scatter_error_at_estimate)}});
   }
   return {{"kind", surrogate_kinds()[static_cast<std::size_t>(settings.kind)]},
           {"tolerance", settings.tolerance},

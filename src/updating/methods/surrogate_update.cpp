@@ -36,6 +36,22 @@ double possible_end(const ParameterSpace& space, Eigen::Index parameter, double 
   return end;
 }
 
+double spread_of(const Eigen::Ref<const Eigen::VectorXd>& values) {
+  const Eigen::Index n = values.size();
+  return n < 2 ? 0.0 : std::sqrt((values.array() - values.mean()).square().sum() / static_cast<double>(n - 1));
+}
+
+/// Standard deviation of each output as the surrogate has it over that of the model, less 1. Points are the same, so
+/// that few of them tell it. 0 where the model's scatter is less than a tenth of the tests': what it is matters little.
+Eigen::VectorXd scatter_errors(const Eigen::MatrixXd& surrogate, const Eigen::MatrixXd& model,
+                               const Eigen::VectorXd& scatter) {
+  constexpr double k_small = 0.1;
+  return Eigen::VectorXd::NullaryExpr(model.cols(), [&](Eigen::Index k) {
+    const double own = spread_of(model.col(k));
+    return own > k_small * scatter(k) ? spread_of(surrogate.col(k)) / own - 1.0 : 0.0;
+  });
+}
+
 Eigen::VectorXd root_mean_square(const Eigen::Ref<const Eigen::MatrixXd>& residuals) {
   return (residuals.colwise().squaredNorm() / static_cast<double>(residuals.rows())).cwiseSqrt().transpose();
 }
@@ -92,7 +108,7 @@ void SurrogateUpdate::fit() {
       root_mean_square(residuals.bottomRows(has_near ? residuals.rows() - first_near_ : residuals.rows()));
   // Both were seen at runs that took no part, by fits to fewer runs than this one.
   if (has_near) error = error.cwiseMin(rounds_.back().error_at_estimate);
-  rounds_.push_back({samples_.rows(), error, {}});
+  rounds_.push_back({samples_.rows(), error, {}, {}});
   const bool may_be_estimated = error.size() > given_.space.count();
   for (Eigen::Index k = 0; k < error.size(); ++k) {
     const double known = given_.tests.repeatability_std(k);
@@ -104,16 +120,12 @@ void SurrogateUpdate::fit() {
 Eigen::VectorXd SurrogateUpdate::scatter() const {
   Eigen::VectorXd standard_deviation(outputs_.cols());
   for (Eigen::Index k = 0; k < standard_deviation.size(); ++k) {
-    const auto spread = [](const Eigen::ArrayXd& values) {
-      const Eigen::Index n = values.size();
-      return n < 2 ? 0.0 : std::sqrt((values - values.mean()).square().sum() / static_cast<double>(n - 1));
-    };
     std::vector<Eigen::Index> rows;
     for (Eigen::Index s = 0; s < given_.tests.values.rows(); ++s) {
       if (!std::isnan(given_.tests.values(s, k))) rows.push_back(s);
     }
-    standard_deviation(k) = spread(given_.tests.values(rows, k));
-    if (!(standard_deviation(k) > 0.0)) standard_deviation(k) = spread(outputs_.col(k));
+    standard_deviation(k) = spread_of(given_.tests.values(rows, k));
+    if (!(standard_deviation(k) > 0.0)) standard_deviation(k) = spread_of(outputs_.col(k));
   }
   return standard_deviation;
 }
@@ -137,11 +149,15 @@ void SurrogateUpdate::check(const UpdatingResult& result, const RunContext& cont
   const Eigen::MatrixXd said = model_.evaluate(samples_.bottomRows(added), context).outputs;
   SurrogateRound& last = rounds_.back();
   last.error_at_estimate = root_mean_square(said - outputs_.bottomRows(added));
-  const double worst = last.error_at_estimate.cwiseQuotient(scatter()).maxCoeff();
-  is_good_ = worst <= settings_.tolerance;
+  const Eigen::VectorXd of_tests = scatter();
+  last.scatter_error_at_estimate = scatter_errors(said, outputs_.bottomRows(added), of_tests);
+  const double worst = last.error_at_estimate.cwiseQuotient(of_tests).maxCoeff();
+  const double worst_scatter = last.scatter_error_at_estimate.cwiseAbs().maxCoeff();
+  is_good_ = worst <= settings_.tolerance && worst_scatter <= settings_.tolerance;
   context.note(
-      fmt::format("surrogate of {} runs: at the estimate off by up to {:.2g} of the tests' scatter ({} new runs)",
-                  last.runs, worst, added));
+      fmt::format("surrogate of {} runs: at the estimate off by up to {:.2g} of the tests' scatter, its standard "
+                  "deviations by up to {:.2g} % ({} new runs)",
+                  last.runs, worst, 100.0 * worst_scatter, added));
 }
 
 UpdatingResult SurrogateUpdate::run(const Updater& method, const RunContext& context) {
@@ -160,9 +176,9 @@ UpdatingResult SurrogateUpdate::run(const Updater& method, const RunContext& con
                     rounds_.back().runs));
     if (!is_good_) {
       const std::string text = fmt::format(
-          "The surrogate is still off by more than {:.2g} of the tests' scatter after {} refinements: give more runs, "
-          "another kind or a narrower prior.",
-          settings_.tolerance, settings_.rounds);
+          "The surrogate is still off by more than {:.2g} of the tests' scatter after {} refinements, or its standard "
+          "deviation of an output by more than {:.2g} %: give more runs, another kind or a narrower prior.",
+          settings_.tolerance, settings_.rounds, 100.0 * settings_.tolerance);
       result.notes.push_back(text);
       context.warning(text);
     }

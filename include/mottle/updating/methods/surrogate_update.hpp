@@ -15,6 +15,9 @@ struct SurrogateRound {
   Eigen::Index runs = 0;              ///< that the surrogate was fitted to
   Eigen::VectorXd carried_error;      ///< root mean square of left-out runs, as carried into R [output]
   Eigen::VectorXd error_at_estimate;  ///< root mean square over new runs drawn from the updated population [output]
+  /// Standard deviation over these runs as the surrogate has it, over that of the model, less 1; of outputs whose
+  /// scatter is less than a tenth of the tests' 0 [output].
+  Eigen::VectorXd scatter_error_at_estimate;
 };
 
 /// One update by surrogate:
@@ -25,7 +28,8 @@ struct SurrogateRound {
 ///    noise is estimated, which then holds it already.
 /// 3. The method updates.
 /// 4. The model is run at points drawn from the updated population. Where the surrogate is off there by more than
-///    `tolerance` of the tests' scatter, and once in any case, those runs join the fit and it goes on with 2.
+///    `tolerance` of the tests' scatter, or its standard deviation of an output over these points by more than that
+///    fraction of the model's, and once in any case, those runs join the fit and it goes on with 2.
 class SurrogateUpdate {
  public:
   /// @param problem  with the model that costs; must outlive this object
@@ -42,7 +46,7 @@ class SurrogateUpdate {
   /// The problem as the method saw it last: with the surrogate for the model and its error in the tests' noise.
   const UpdatingProblem& problem() const { return problem_; }
   const std::vector<SurrogateRound>& rounds() const { return rounds_; }
-  /// Whether the last round's error was within the tolerance.
+  /// Whether the last round's errors of values and of scatter were within the tolerance.
   bool is_good() const { return is_good_; }
 
  private:
