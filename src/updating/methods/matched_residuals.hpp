@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include "mottle/layers.hpp"
+#include "mottle/updating/methods/iteration.hpp"
 #include "updating/fits/measured_outputs.hpp"
 
 namespace mottle::updating {
