@@ -85,6 +85,7 @@ std::vector<int> CandidateFits::groups_of(const ParameterSet& set) const {
 PopulationFit CandidateFits::fit_from(const UpdatingProblem& part, const ParameterSet& set,
                                       const Eigen::VectorXd& start) {
   const PopulationFitSettings rules{.noise = noise_,
+                                    .has_noise_of_residuals = false,
                                     .model_error = model_error_,
                                     .is_restricted = false,
                                     .rank_tolerance = settings_.rank_tolerance,

@@ -249,7 +249,8 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
     }
     fit.units =
         linear_units(values, error, fit.sensitivity, absorbed, fit.specimens, settings.noise, frame.origin, frame.map);
-    if (settings.noise.factors > 0) take_noise_of_residuals(values, settings.noise, fit);
+    if (settings.noise.factors > 0 && settings.has_noise_of_residuals)
+      take_noise_of_residuals(values, settings.noise, fit);
     fit.effects = fit_within_bounds(problem, frame, fit.units, start, fit.settings);
     start = (1.0 - k_fresh) * fit.effects.covariance + k_fresh * frame.start;
     if (has_error) error = fit.effects.shared;

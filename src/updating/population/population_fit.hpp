@@ -20,6 +20,9 @@ namespace mottle::updating {
 
 struct PopulationFitSettings {
   NoiseModel noise;
+  /// Noise that is not known is estimated from residuals, see noise_levels.hpp; false: one level for each kind of
+  /// output, together with the population.
+  bool has_noise_of_residuals = true;
   NoiseModel model_error = {};  ///< of errors that all specimens share; `base` empty: none
   bool is_restricted = true;
   double rank_tolerance = 1e-3;

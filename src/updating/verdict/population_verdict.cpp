@@ -162,13 +162,15 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
     const TestMoments moments = test_moments(problem.tests);
     return (moments.count.array() < 2).all() || (counts_with_scatter(moments).array() > 0).any();
   };
-  if (!is_noise_known && (!has_noise || !do_differ())) {
+  const bool has_level = fit.noise_of_residuals.degrees_of_freedom > 0.0;
+  if (!is_noise_known && (!has_noise || !has_level || !do_differ())) {
     plan.leave_untested(
         Aspect::means,
         fmt::format("The means were not tested: {}, so that the level of the noise cannot be estimated. Give [test] "
                     "repeatability.",
-                    has_noise ? "the specimens are the same to the last digits"
-                              : "the parameters reproduce every test to rounding"));
+                    !has_noise   ? "the parameters reproduce every test to rounding"
+                    : !has_level ? "no specimen has more outputs than the parameters move"
+                                 : "the specimens are the same to the last digits"));
     plan.leave_untested(Aspect::scatter, "The scatter was not tested for the same reason.");
     return;
   }

@@ -21,6 +21,7 @@ struct Statistics {
 };
 
 Statistics statistics_of(const MeanResiduals& residuals) {
+  if (residuals.directions.cols() == 0) return {};
   const Eigen::MatrixXd values = residuals.values * residuals.directions;
   return {residuals.mean_squares, symmetric_eigenvalues(sample_covariance(values)).maxCoeff()};
 }
