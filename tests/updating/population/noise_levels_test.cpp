@@ -38,16 +38,16 @@ struct LinearTests {
 
 TEST(NoiseOfResiduals, IsThatOfEachOutputAndNotTheBiasOfMeans) {
   constexpr Eigen::Index k_specimens = 1000;
-  const Eigen::VectorXd std{{0.2, 0.1, 0.1, 0.08, 0.2, 0.06}};
-  const Eigen::VectorXd bias{{3.0, -5.0, 0.0, 1.0, 2.0, 4.0}};
+  const Eigen::VectorXd std{{0.2, 0.1, 0.1, 0.08, 0.2, 0.06, 0.1, 0.15, 0.07, 0.2}};
+  const Eigen::VectorXd bias{{3.0, -5.0, 0.0, 1.0, 2.0, 4.0, 1.0, -1.0, 0.5, 7.0}};
   const NoiseOfResiduals found = LinearTests(k_specimens, std, bias).noise();
   EXPECT_TRUE(found.has_own_levels);
-  EXPECT_NEAR(found.degrees_of_freedom, 4.0 * (k_specimens - 1), 1e-9);
+  EXPECT_NEAR(found.degrees_of_freedom, 8.0 * (k_specimens - 1), 1e-9);
   for (Eigen::Index k = 0; k < std.size(); ++k) {
-    // Half of the information on an output is left by the parameters: a level is known to 2 / sqrt(1000) or so.
+    // Most of the information on an output is left by two parameters of ten: a deviation is known to 1 / sqrt(1000).
     EXPECT_NEAR(std::sqrt(found.variance(k)) / std(k), 1.0, 0.2) << k;
   }
-  const NoiseOfResiduals unbiased = LinearTests(k_specimens, std, Eigen::VectorXd::Zero(6)).noise();
+  const NoiseOfResiduals unbiased = LinearTests(k_specimens, std, Eigen::VectorXd::Zero(10)).noise();
   EXPECT_LT((found.variance - unbiased.variance).cwiseQuotient(unbiased.variance).cwiseAbs().maxCoeff(), 1e-5);
 }
 
