@@ -21,8 +21,7 @@ struct UnitFactor {
 /// @param ratios  ln of tested over computed frequencies
 const UnitFactor* find_unit_factor(const std::vector<double>& ratios);
 
-/// Refuses tests whose frequencies are a common factor 2 pi, 60 or 1000, or the inverse of one, away from the model's,
-/// and eigenvalues or squares in place of frequencies (squared_frequencies.hpp).
+/// Refuses tests whose frequencies are a common factor 2 pi, 60 or 1000, or the inverse of one, away from the model's.
 ///
 /// With ratios r_k = mean tested f_k / f_k of the model at the prior's mean, it refuses where three quarters of the r_k
 /// lie within a factor 1.5 of such a factor (what parameters that are to be updated may still be off by) and the prior

@@ -168,9 +168,9 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
         Aspect::means,
         fmt::format("The means were not tested: {}, so that the level of the noise cannot be estimated. Give [test] "
                     "repeatability.",
-                    !has_noise   ? "the parameters reproduce every test to rounding"
-                    : !has_level ? "no specimen has more outputs than the parameters move"
-                                 : "the specimens are the same to the last digits"));
+                    !do_differ() ? "the specimens are the same to the last digits"
+                    : !has_noise ? "the parameters reproduce every test to rounding"
+                                 : "no specimen has more outputs than the parameters move"));
     plan.leave_untested(Aspect::scatter, "The scatter was not tested for the same reason.");
     return;
   }

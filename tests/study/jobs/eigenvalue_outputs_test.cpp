@@ -128,21 +128,6 @@ TEST(EigenvalueOutputs, AreRefusedInAnotherUnit) {
   EXPECT_THAT(with_tests(folder, k_header, rows).refusal(), HasSubstr("factor is near 1/(2 pi)"));
 }
 
-TEST(EigenvalueOutputs, GivenAsFrequenciesAreRefusedByName) {
-  StudyFolder folder;
-  folder.change({});
-  folder.write("tests.csv", csv_text("f1,f2,f3", first_numbers(3, [](double value) { return value; })));
-  EXPECT_THAT(folder.refusal(), HasSubstr("the values are eigenvalues, (2 pi f)^2"));
-}
-
-TEST(EigenvalueOutputs, AreRefusedByNameWhereTheyAreFrequencies) {
-  StudyFolder folder;
-  folder.change({{"frequencies = [1, 2, 3]", "eigenvalues = [1, 2, 3]"}});
-  folder.write("tests.csv", csv_text("lambda1,lambda2,lambda3",
-                                     first_numbers(3, [](double value) { return std::sqrt(value) / k_two_pi; })));
-  EXPECT_THAT(folder.refusal(), HasSubstr("the values are frequencies, not eigenvalues"));
-}
-
 TEST(EigenvalueOutputs, MoveWithTheirModesWhereColumnsArePairedByFrequency) {
   StudyFolder folder;
   const std::vector<std::string> by_frequency{"test.pairing=\"frequency\""};
