@@ -31,7 +31,7 @@ struct WhitenedDesign {
 class ResidualIteration {
  public:
   ResidualIteration(const std::vector<RandomEffectsUnit>& units, const OutputsOfUnits& outputs,
-                    const NoiseLevels& levels)
+                    const OutputLevels& levels)
       : units_(units), outputs_(outputs), levels_(levels) {
     for (std::size_t s = 0; s < units.size(); ++s) {
       const auto is_alike = [&](const WhitenedDesign& other) {
@@ -138,7 +138,7 @@ class ResidualIteration {
 
   const std::vector<RandomEffectsUnit>& units_;
   const OutputsOfUnits& outputs_;
-  const NoiseLevels& levels_;
+  const OutputLevels& levels_;
   std::vector<WhitenedDesign> designs_;
   std::vector<std::size_t> design_of_;  // [unit]
   Eigen::VectorXd scale_;               // of the means: noise over all units [output]
@@ -147,7 +147,7 @@ class ResidualIteration {
 };
 
 void require_outputs(const std::vector<RandomEffectsUnit>& units, const OutputsOfUnits& outputs,
-                     const NoiseLevels& levels) {
+                     const OutputLevels& levels) {
   require(units.size() == outputs.size(), "residual noise: {} units and {} lists of outputs", units.size(),
           outputs.size());
   const auto count = static_cast<Eigen::Index>(levels.of_output.size());
@@ -165,7 +165,7 @@ void require_outputs(const std::vector<RandomEffectsUnit>& units, const OutputsO
 }  // namespace
 
 ResidualNoise estimate_residual_noise(const std::vector<RandomEffectsUnit>& units, const OutputsOfUnits& outputs,
-                                      const NoiseLevels& levels, double tolerance) {
+                                      const OutputLevels& levels, double tolerance) {
   constexpr int k_max_steps = 1000;
   require_outputs(units, outputs, levels);
   ResidualNoise noise{levels.expected};

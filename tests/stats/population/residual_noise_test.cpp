@@ -66,18 +66,18 @@ TEST(ResidualNoise, MaximisesTheRestrictedLikelihoodOfUnitsWithGaps) {
   EXPECT_TRUE(common.converged);
   EXPECT_EQ(common.degrees_of_freedom, 11.0);
   expect_near(common.levels, Eigen::VectorXd{{0.25662146518542645}});
-  const NoiseLevels own{{0, 1, 2, 3, 4}, Eigen::VectorXd::Constant(5, 0.25662146518542645), 4.0};
+  const OutputLevels own{{0, 1, 2, 3, 4}, Eigen::VectorXd::Constant(5, 0.25662146518542645), 4.0};
   expect_near(estimate_residual_noise(units, outputs, own, 1e-9).levels,
               Eigen::VectorXd{{0.23735117922361265, 0.3506817229185892, 0.2505017873702708, 0.21228676082151213,
                                0.23019058590087005}});
-  const NoiseLevels in_part{{0, 1, 2, -1, -1}, Eigen::VectorXd::Constant(3, 1.2), 4.0};
+  const OutputLevels in_part{{0, 1, 2, -1, -1}, Eigen::VectorXd::Constant(3, 1.2), 4.0};
   expect_near(estimate_residual_noise(units, outputs, in_part, 1e-9).levels,
               Eigen::VectorXd{{0.8662309233038038, 0.9041305364211769, 0.9983221282766738}});
 }
 
 TEST(ResidualNoise, DoesNotDependOnUnitsOfMeasurement) {
   const auto [units, outputs] = six_units();
-  const NoiseLevels levels{{0, 1, 2, 3, 4}, Eigen::VectorXd::Constant(5, 0.3), 2.0};
+  const OutputLevels levels{{0, 1, 2, 3, 4}, Eigen::VectorXd::Constant(5, 0.3), 2.0};
   const Eigen::VectorXd before = estimate_residual_noise(units, outputs, levels, 1e-10).levels;
   std::vector<RandomEffectsUnit> scaled = units;
   for (RandomEffectsUnit& unit : scaled) {

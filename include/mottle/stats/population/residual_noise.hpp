@@ -10,7 +10,7 @@
 namespace mottle::stats {
 
 /// Which noise is to be estimated.
-struct NoiseLevels {
+struct OutputLevels {
   std::vector<int> of_output;  ///< index of each output's level, -1: its noise is known [output]
   Eigen::VectorXd expected;    ///< where the iteration starts, and what the levels are believed to be [level]
   double weight = 0.0;         ///< of that belief, in observations of each output
@@ -41,7 +41,7 @@ struct ResidualNoise {
 /// @throws InvalidInput  lists and shapes that do not fit
 /// Source: [Patterson1971]; [Harville1977] for the iteration.
 ResidualNoise estimate_residual_noise(const std::vector<RandomEffectsUnit>& units,
-                                      const std::vector<std::vector<Eigen::Index>>& outputs, const NoiseLevels& levels,
+                                      const std::vector<std::vector<Eigen::Index>>& outputs, const OutputLevels& levels,
                                       double tolerance = 1e-6);
 
 }  // namespace mottle::stats
