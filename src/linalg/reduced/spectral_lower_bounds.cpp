@@ -37,28 +37,26 @@ double negative_part(const Eigen::VectorXd& changes, const Eigen::MatrixXd& boun
   return sum;
 }
 
-}  // namespace
-
-Eigen::VectorXd FullPencils::mass_upper_ratios(const TermCoefficients& samples) const {
+/// A bound of M(s) against M for each sample.
+Eigen::VectorXd mass_ratios(const FullPencils& pencils, const TermCoefficients& samples, decltype(lower_ratio)& bound) {
   Eigen::VectorXd result = Eigen::VectorXd::Ones(samples.samples());
   if (samples.mass.rows() == 0) return result;
-  Eigen::VectorXd values = nominal_mass;
+  Eigen::VectorXd values = pencils.nominal_mass;
   for (Eigen::Index s = 0; s < result.size(); ++s) {
     values.tail(samples.mass.rows()) = samples.mass.col(s);
-    result(s) = upper_ratio(values, nominal_mass, mass_bounds);
+    result(s) = bound(values, pencils.nominal_mass, pencils.mass_bounds);
   }
   return result;
 }
 
+}  // namespace
+
+Eigen::VectorXd FullPencils::mass_upper_ratios(const TermCoefficients& samples) const {
+  return mass_ratios(*this, samples, upper_ratio);
+}
+
 Eigen::VectorXd FullPencils::mass_lower_ratios(const TermCoefficients& samples) const {
-  Eigen::VectorXd result = Eigen::VectorXd::Ones(samples.samples());
-  if (samples.mass.rows() == 0) return result;
-  Eigen::VectorXd values = nominal_mass;
-  for (Eigen::Index s = 0; s < result.size(); ++s) {
-    values.tail(samples.mass.rows()) = samples.mass.col(s);
-    result(s) = lower_ratio(values, nominal_mass, mass_bounds);
-  }
-  return result;
+  return mass_ratios(*this, samples, lower_ratio);
 }
 
 Eigen::VectorXd FullPencils::stiffness_lower_ratios(const TermCoefficients& samples) const {

@@ -147,7 +147,7 @@ void plan_mean_test(const Comparison& c, TestPlan& plan) {
                                       n, directions_text(d)));
       return;
     }
-    test = f_test("mean-agreement", as_f(squares, n, d), d, n - d);
+    test = f_test("mean-agreement", squares * (n - d) / ((n - 1.0) * d), d, n - d);
     test.power = [=](double level) { return mean_power(f_detectable(d, n - d, level), n); };
   }
   test.aspect = Aspect::means;
@@ -181,8 +181,8 @@ void plan_residual_scatter(const Comparison& c, TestPlan& plan) {
   const CholeskyFactor factor(b.transpose() * c.residuals.of_test * b);
   const Eigen::MatrixXd whitened = factor.solve_lower(b.transpose());
   const auto d = static_cast<double>(b.cols());
-  double degrees_of_freedom = c.residuals.degrees_of_freedom();
-  double squares = c.residuals.scatter_squares();
+  double degrees_of_freedom = c.residuals.tests.count.cast<double>().mean() - 1.0;
+  double squares = degrees_of_freedom * (whitened * c.residuals.tests.covariance * whitened.transpose()).trace();
   if (c.needs_own) {
     const std::optional<MeanResiduals>& own = c.own;
     if (!own || own->degrees_of_freedom <= 0.0) {

@@ -49,7 +49,7 @@ Eigen::MatrixXd covariance_of_tests_mean(const TestData& tests, const Eigen::Ref
 ///   scatter-of-residuals: tr[(B' (C + R) B)^-1 B' V B] (n - 1) against chi-squared (noise known); where the model has
 ///   an
 ///     error, G is that of a displaced mean: the squares of MeanResiduals then, from fits of every specimen;
-///   scatter-agreement, bounds, prior-shift: see scatter_tests.hpp, mean_limits.hpp.
+///   scatter-agreement, bounds, prior-shift: see cloud_agreement.hpp, mean_limits.hpp.
 ///
 /// By specimen: mean-residuals in place of mean-agreement, and the squares of MeanResiduals. A statistic that was
 /// simulated has the law of its simulations instead (simulated_law.hpp).

@@ -38,10 +38,4 @@ double MatchedResiduals::mean_squares(const Eigen::Ref<const Eigen::MatrixXd>& c
   return off.dot(solve_semidefinite(own, off));
 }
 
-double MatchedResiduals::scatter_squares() const {
-  const CholeskyFactor factor(directions.transpose() * of_test * directions);
-  const Eigen::MatrixXd whitened = factor.solve_lower(directions.transpose());
-  return degrees_of_freedom() * (whitened * tests.covariance * whitened.transpose()).trace();
-}
-
 }  // namespace mottle::updating

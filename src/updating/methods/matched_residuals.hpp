@@ -33,17 +33,6 @@ struct MatchedResiduals {
 
   /// r' B (B' M B)^-1 B' r; negative where M is singular in a direction.
   double mean_squares(const Eigen::Ref<const Eigen::MatrixXd>& covariance) const;
-
-  /// Degrees of freedom of the tests' scatter in one direction.
-  double degrees_of_freedom() const { return tests.count.cast<double>().mean() - 1.0; }
-
-  /// tr[(B' C B)^-1 B' V B] (n - 1), C that of one test, V that of the n tests.
-  double scatter_squares() const;
 };
-
-/// Hotelling's T^2 of n specimens in d < n directions, as F with (d, n - d).
-inline double as_f(double hotelling, double n, double d) {
-  return hotelling * (n - d) / ((n - 1.0) * d);
-}
 
 }  // namespace mottle::updating

@@ -10,24 +10,6 @@
 namespace mottle::updating {
 namespace {
 
-using Lists = std::vector<std::vector<Eigen::Index>>;
-
-Lists measured_outputs_of_all(const Eigen::Ref<const Eigen::MatrixXd>& values) {
-  Lists lists;
-  for (Eigen::Index s = 0; s < values.rows(); ++s) lists.push_back(measured_outputs(values, s));
-  return lists;
-}
-
-/// One level for each output whose noise is not known.
-std::vector<int> own_levels(const std::vector<int>& kinds) {
-  std::vector<int> own(kinds.size(), -1);
-  int next = 0;
-  for (std::size_t k = 0; k < kinds.size(); ++k) {
-    if (kinds[k] >= 0) own[k] = next++;
-  }
-  return own;
-}
-
 /// Variances of the outputs at their levels.
 Eigen::VectorXd at_levels(const Eigen::VectorXd& base, const std::vector<int>& of_output,
                           const Eigen::VectorXd& levels) {
@@ -36,11 +18,6 @@ Eigen::VectorXd at_levels(const Eigen::VectorXd& base, const std::vector<int>& o
     if (of_output[k] >= 0) variance(static_cast<Eigen::Index>(k)) *= levels(of_output[k]);
   }
   return variance;
-}
-
-/// The units with the noise of the outputs changed by a factor.
-void scale_noise(const Lists& outputs, const Eigen::VectorXd& factor, std::vector<RandomEffectsUnit>& units) {
-  for (std::size_t s = 0; s < units.size(); ++s) units[s].noise.array() *= factor(outputs[s]).array();
 }
 
 }  // namespace
@@ -54,7 +31,8 @@ NoiseOfResiduals noise_of_residuals(const Eigen::Ref<const Eigen::MatrixXd>& val
                                     const std::vector<RandomEffectsUnit>& units, const NoiseModel& noise,
                                     double tolerance) {
   constexpr double k_weight = 4.0;
-  const Lists outputs = measured_outputs_of_all(values);
+  std::vector<std::vector<Eigen::Index>> outputs;
+  for (Eigen::Index s = 0; s < values.rows(); ++s) outputs.push_back(measured_outputs(values, s));
   const ResidualNoise common =
       estimate_residual_noise(units, outputs, {noise.factor, Eigen::VectorXd::Ones(noise.factors)}, tolerance);
   NoiseOfResiduals found{.variance = at_levels(noise.base, noise.factor, common.levels),
@@ -64,12 +42,16 @@ NoiseOfResiduals noise_of_residuals(const Eigen::Ref<const Eigen::MatrixXd>& val
   const double directions = common.degrees_of_freedom / (static_cast<double>(values.rows()) - 1.0);
   found.has_own_levels = open > noise.factors && 0.5 * directions * (directions + 1.0) >= open;
   if (!found.has_own_levels) return found;
-  std::vector<RandomEffectsUnit> scaled = units;
-  scale_noise(outputs, found.variance.cwiseQuotient(noise.base), scaled);
-  const std::vector<int> own = own_levels(noise.factor);
-  const ResidualNoise apart = estimate_residual_noise(
-      scaled, outputs, {own, Eigen::VectorXd::Ones(static_cast<Eigen::Index>(open)), k_weight}, tolerance);
-  found.variance = at_levels(found.common.base, own, apart.levels);
+  OutputLevels own{.of_output = std::vector<int>(noise.factor.size(), -1),
+                   .expected = Eigen::VectorXd(static_cast<Eigen::Index>(open)),
+                   .weight = k_weight};
+  int next = 0;
+  for (std::size_t k = 0; k < noise.factor.size(); ++k) {
+    if (noise.factor[k] < 0) continue;
+    own.expected(next) = common.levels(noise.factor[k]);
+    own.of_output[k] = next++;
+  }
+  found.variance = at_levels(noise.base, own.of_output, estimate_residual_noise(units, outputs, own, tolerance).levels);
   return found;
 }
 
@@ -89,8 +71,12 @@ void take_noise_of_residuals(const Eigen::Ref<const Eigen::MatrixXd>& values, co
       found.variance(k) = std::min(found.variance(k), tests.covariance(k, k));
     }
   }
-  scale_noise(measured_outputs_of_all(values), found.variance.cwiseQuotient(noise.base), fit.units);
-  for (RandomEffectsUnit& unit : fit.units) unit.factor.clear();
+  const Eigen::VectorXd level = found.variance.cwiseQuotient(noise.base);
+  for (Eigen::Index s = 0; s < values.rows(); ++s) {
+    RandomEffectsUnit& unit = fit.units[static_cast<std::size_t>(s)];
+    unit.noise.array() *= level(measured_outputs(values, s)).array();
+    unit.factor.clear();
+  }
   fit.settings.factors = 0;
   fit.noise = found.variance;
   fit.noise_of_residuals = std::move(found);

@@ -60,7 +60,7 @@ void plan_residual_tests(const UpdatingProblem& problem, const PopulationFit& fi
 ///     against simulated studies (noise estimated);
 ///   correlations: likelihood ratio of a full covariance where groups restrict it, with Box's factor;
 ///   reproduction: every test without noise must be reproduced by some parameters;
-///   scatter-agreement, bounds, prior-shift: see scatter_tests.hpp, mean_limits.hpp.
+///   scatter-agreement, bounds, prior-shift: see cloud_agreement.hpp, mean_limits.hpp.
 ///
 /// What is not tested is said in result.not_tested.
 void test_population(const UpdatingProblem& problem, const PopulationFit& fit, const RunContext& context,

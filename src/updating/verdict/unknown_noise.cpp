@@ -27,9 +27,9 @@ Statistics statistics_of(const MeanResiduals& residuals) {
 }
 
 /// Studies in which the model is right.
-class SimulatedStudies {
+class StudiesOfUnknownNoise {
  public:
-  SimulatedStudies(const Eigen::MatrixXd& values, const PopulationFit& fit)
+  StudiesOfUnknownNoise(const Eigen::MatrixXd& values, const PopulationFit& fit)
       : values_(values), fit_(fit), noise_(fit.noise_of_residuals.common), units_(fit.units) {
     for (std::size_t s = 0; s < units_.size(); ++s) {
       units_[s].noise = noise_.base(measured_outputs(values, static_cast<Eigen::Index>(s)));
@@ -75,8 +75,7 @@ void plan_means(const MeanResiduals& residuals, const Eigen::VectorXd& simulated
   test.aspect = Aspect::means;
   test.meaning = fmt::format(
       "Mean residuals of {:.0f} specimens in {} that no parameter moves: are they no more than the measurement's "
-      "noise, "
-      "which is estimated{}?",
+      "noise, which is estimated{}?",
       n, directions_text(d), residuals.largest_variance > 1.0 ? ", and the model's stated error" : "");
   const double per_mean = residuals.largest_variance / (n + residuals.largest_variance - 1.0);
   test.power = [=](double level) {
@@ -89,15 +88,14 @@ void plan_means(const MeanResiduals& residuals, const Eigen::VectorXd& simulated
   plan.add(std::move(test));
 }
 
-void plan_scatter(const SimulatedStudies& studies, const MeanResiduals& residuals, const StudiedStatistic& largest,
+void plan_scatter(const StudiesOfUnknownNoise& studies, const MeanResiduals& residuals, const StudiedStatistic& largest,
                   TestPlan& plan) {
   const auto d = static_cast<double>(residuals.directions.cols());
   PlannedTest test{.name = "scatter-of-residuals"};
   test.aspect = Aspect::scatter;
   test.meaning = fmt::format(
       "Largest variance of the residuals in {} that no parameter moves: is it no more than noise of each output by "
-      "itself "
-      "makes?",
+      "itself makes?",
       directions_text(d));
   judge_by_studies(largest, {}, test);
   test.power = [=, critical = test.critical](double level) {
@@ -121,7 +119,7 @@ void plan_tests_of_unknown_noise(const Eigen::MatrixXd& values, const Population
                                  const MeanResiduals& residuals, double level, TestPlan& plan) {
   constexpr double k_studies = 20.0;  // beyond the level of all tests
   const auto count = static_cast<std::uint32_t>(std::clamp(std::ceil(k_studies / level), 200.0, 3000.0));
-  const SimulatedStudies studies(values, fit);
+  const StudiesOfUnknownNoise studies(values, fit);
   Eigen::VectorXd means(count);
   Eigen::VectorXd scatter(count);
   for (std::uint32_t r = 0; r < count; ++r) {

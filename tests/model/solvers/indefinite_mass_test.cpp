@@ -80,7 +80,7 @@ TEST_P(IndefiniteMass, AtItsEdgeIsSemidefiniteAndAllowed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, IndefiniteMass, testing::Bool(),
-                         [](const auto& info) { return info.param ? "Reduced" : "Exact"; });
+                         [](const auto& solver) { return solver.param ? "Reduced" : "Exact"; });
 
 TEST(IndefiniteMass, OfTheReferenceIsRefused) {
   EXPECT_THAT(test::message_of<InvalidInput>([] { chain_of_matrices(false, 1.5); }),
