@@ -12,59 +12,12 @@
 #include "updating/methods/box_image.hpp"
 #include "updating/methods/covering_box.hpp"
 #include "updating/methods/interval_notes.hpp"
+#include "updating/methods/interval_specimens.hpp"
 #include "updating/methods/interval_targets.hpp"
 #include "updating/methods/interval_tests.hpp"
-#include "updating/methods/inversion_fit.hpp"
-#include "updating/methods/specimen_bounds.hpp"
 
 namespace mottle::updating {
 namespace {
-
-/// What stays the same through all steps.
-struct IntervalSetup {
-  const UpdatingProblem& problem;
-  const RunContext& context;
-  TestMoments tests;
-  SpecimenBounds bounds;
-  Eigen::VectorXd prior_std;
-};
-
-/// Specimens and the two vectors of limits, each fitted by parameters of its own.
-struct OwnParameters {
-  Eigen::MatrixXd specimens;  ///< [specimen x parameter]
-  ParameterBox hull;          ///< of the specimens'
-  ParameterBox of_limits;     ///< of those of the two vectors of limits
-  Eigen::MatrixXd residuals;  ///< z - f [specimen x output]
-  std::vector<int> ranks;     ///< of each specimen
-};
-
-ParameterBox hull_of(const Eigen::MatrixXd& points) {
-  return {points.colwise().minCoeff().transpose(), points.colwise().maxCoeff().transpose()};
-}
-
-OwnParameters fit_specimens(const IntervalSetup& setup, std::int64_t& evaluations) {
-  const UpdatingProblem& problem = setup.problem;
-  const ScaledParameters parameters(problem.space);
-  const Eigen::Index n = problem.tests.values.rows();
-  Eigen::MatrixXd targets(n + 2, problem.tests.values.cols());
-  targets << problem.tests.values, setup.bounds.limits.transpose();
-  Eigen::VectorXd sigma = problem.tests.repeatability_std;
-  for (Eigen::Index k = 0; k < sigma.size(); ++k) {
-    if (!(sigma(k) > 0.0)) sigma(k) = std::sqrt(setup.tests.covariance(k, k));
-    sigma(k) = weighing_deviation(sigma(k), setup.tests.mean(k));
-  }
-  const auto goes_on = [&](const InversionFit&) { return !setup.context.stop_requested(); };
-  const Eigen::VectorXd prior = parameters.clamp(parameters.start());
-  const InversionFit middle = invert_specimens(problem, parameters, setup.tests.mean.transpose(), sigma,
-                                               prior.transpose(), setup.context, goes_on);
-  const InversionFit fit = invert_specimens(problem, parameters, targets, sigma,
-                                            middle.points.row(0).replicate(n + 2, 1), setup.context, goes_on);
-  evaluations += middle.evaluations + fit.evaluations;
-  setup.context.throw_if_stopped();
-  const Eigen::MatrixXd points = parameters.to_variables(fit.points);
-  return {points.topRows(n), hull_of(points.topRows(n)), hull_of(points.bottomRows(2)),
-          problem.tests.values - fit.outputs.topRows(n), std::vector<int>(fit.ranks.begin(), fit.ranks.begin() + n)};
-}
 
 IterationRecord record_of(const IntervalSetup& setup, const ParameterBox& box, const Eigen::MatrixXd& image) {
   const BoxEstimate estimate(box);
@@ -175,13 +128,13 @@ void describe_image(const IntervalSetup& setup, const OwnParameters& own, const 
 
 SpecimenResiduals residuals_of(const IntervalSetup& setup, const OwnParameters& own) {
   SpecimenResiduals residuals;
-  for (Eigen::Index s = 0; s < own.residuals.rows(); ++s) {
+  for (Eigen::Index s = 0; s < own.unbounded.rows(); ++s) {
     const std::vector<Eigen::Index> measured = measured_outputs(setup.problem.tests.values, s);
     residuals.degrees_of_freedom +=
         std::max(0, static_cast<int>(measured.size()) - own.ranks[static_cast<std::size_t>(s)]);
     for (const Eigen::Index k : measured) {
       const double noise = setup.problem.tests.repeatability_std(k);
-      if (noise > 0.0) residuals.sum_of_squares += std::pow(own.residuals(s, k) / noise, 2);
+      if (noise > 0.0) residuals.sum_of_squares += std::pow(own.unbounded(s, k) / noise, 2);
     }
   }
   return residuals;
@@ -269,7 +222,7 @@ UpdatingResult IntervalUpdater::update(const UpdatingProblem& problem, const Run
   if (context.stop_requested()) return stopped(std::move(result), problem);
   try {
     context.phase({.name = "parameters of each specimen"});
-    const OwnParameters own = fit_specimens(setup, result.model_evaluations);
+    const OwnParameters own = fit_own_parameters(setup, result.model_evaluations);
     BoxImage image(problem, options_, context);
     IntervalSearch search(setup, own, image, result);
     const CoveringBox covering = search.run();

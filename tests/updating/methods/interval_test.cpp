@@ -230,6 +230,14 @@ TEST(Interval, RefusesAModelThatNoSpecimenFits) {
   EXPECT_EQ(judge(bad.problem(0.02), update(bad.problem(0.02), {})).conclusion, Conclusion::inadequate);
 }
 
+/// y_k = x, the third specimen's own x 0.1 beyond the bound: ten standard deviations of the noise, of which a box
+/// within the bound falls short, but no error of the model.
+TEST(Interval, JudgesNoSpecimenBeyondTheBoundsByTheirDistance) {
+  const Linear three(Eigen::MatrixXd::Ones(3, 1), Eigen::Vector3d(0.2, 0.5, 1.1).replicate(1, 3), 1.0);
+  const UpdatingResult result = update(three.problem(0.01), {.bounds = Bounds::observed});
+  for (const VerdictTest& test : result.tests) EXPECT_EQ(test.passed, test.name != "cover") << test.name;
+}
+
 TEST(Interval, TellsOfAParameterThatTheBoundsDoNotNeed) {
   const Linear model(Eigen::RowVector2d(1.0, 0.5), Eigen::Vector3d(1.0, 2.0, 3.0));
   const UpdatingResult result = update(model.problem(), {.bounds = Bounds::observed});
