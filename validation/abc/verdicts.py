@@ -4,7 +4,7 @@
 Each data set is simulated by `mottle simulate` with a seed of its own. Writes VERDICTS.md beside this file and ends with exit code 1
 if right models are refused in more cases than the level and four standard errors allow.
 
-    /usr/bin/python3 validation/abc/verdicts.py [--replications 200] [--lines FOLDER] [--program mottle] [--case NAME ...]
+    /usr/bin/python3 validation/abc/verdicts.py [--replications N] [--lines FOLDER] [--program mottle] [--case NAME ...]
 """
 import argparse
 import datetime
@@ -72,21 +72,21 @@ def replicate(options, change, seed):
         return {"abc": conclusion(options, folder, "abc", seed, FEW), "likelihood": conclusion(options, folder, "maximum-likelihood", seed, [])}
 
 
-def rows_of(options, name):
+def rows_of(options, name, number):
     """One line of JSON a data set; only missing ones are computed."""
     path = options.lines / f"{name}.jsonl"
     rows = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     with path.open("a", encoding="utf-8") as file:
-        for seed in range(len(rows) + 1, options.replications + 1):
+        for seed in range(len(rows) + 1, number + 1):
             rows.append(json.dumps(replicate(options, CASES[name][1], seed)))
             file.write(rows[-1] + "\n")
             file.flush()
-    return [json.loads(row) for row in rows[:options.replications]]
+    return [json.loads(row) for row in rows[:number]]
 
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--replications", type=int, default=200)
+    parser.add_argument("--replications", type=int, help="of every case; default: 200 of the two parameters, 60 of the others")
     parser.add_argument("--lines", type=pathlib.Path, default=pathlib.Path("build/abc-verdicts"))
     parser.add_argument("--program", type=lambda text: str(pathlib.Path(text).resolve()), default=ROOT / "build" / "release" / "mottle")
     parser.add_argument("--case", nargs="*", default=list(CASES))
@@ -95,7 +95,7 @@ def main():
     lines, reached_all = [], True
     for name in options.case:
         what, _, is_right = CASES[name]
-        rows = rows_of(options, name)
+        rows = rows_of(options, name, options.replications or (200 if name == "two" else 60))
         counts = {method: {answer: sum(row[method]["conclusion"] == answer for row in rows) for answer in ("adequate", "inadequate", "undecided")}
                   for method in ("abc", "likelihood")}
         most = LEVEL * len(rows) + STANDARD_ERRORS * (LEVEL * (1 - LEVEL) * len(rows)) ** 0.5
