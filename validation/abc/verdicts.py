@@ -86,7 +86,7 @@ def rows_of(options, name, number):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--replications", type=int, help="of every case; default: 200 of the two parameters, 60 of the others")
+    parser.add_argument("--replications", type=int, help="of every case; default: 200 of two parameters, 160 of the shapes, 60 of wrong models")
     parser.add_argument("--lines", type=pathlib.Path, default=pathlib.Path("build/abc-verdicts"))
     parser.add_argument("--program", type=lambda text: str(pathlib.Path(text).resolve()), default=ROOT / "build" / "release" / "mottle")
     parser.add_argument("--case", nargs="*", default=list(CASES))
@@ -95,7 +95,7 @@ def main():
     lines, reached_all = [], True
     for name in options.case:
         what, _, is_right = CASES[name]
-        rows = rows_of(options, name, options.replications or (200 if name == "two" else 60))
+        rows = rows_of(options, name, options.replications or {"two": 200, "shapes": 160}.get(name, 60))
         counts = {method: {answer: sum(row[method]["conclusion"] == answer for row in rows) for answer in ("adequate", "inadequate", "undecided")}
                   for method in ("abc", "likelihood")}
         most = LEVEL * len(rows) + STANDARD_ERRORS * (LEVEL * (1 - LEVEL) * len(rows)) ** 0.5
