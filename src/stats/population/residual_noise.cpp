@@ -9,8 +9,7 @@
 namespace mottle::stats {
 namespace {
 
-constexpr double k_collinear = 1e-8;  // of effects, each by its own size
-constexpr double k_ridge = 1e-10;     // of directions of the means that no residual sees
+constexpr double k_ridge = 1e-10;  // of directions of the means that no residual sees
 
 using OutputsOfUnits = std::vector<std::vector<Eigen::Index>>;
 
@@ -88,10 +87,7 @@ class ResidualIteration {
       if (level >= 0) factor(static_cast<Eigen::Index>(k)) = now(level);
     }
     own.root = unit.noise.cwiseProduct(factor).cwiseSqrt();
-    own.reached = own.root.cwiseInverse().asDiagonal() * unit.design;
-    if (unit.design.cols() == 0) return;
-    const Eigen::VectorXd size = own.reached.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
-    own.reached = PivotedQr(own.reached * size.asDiagonal(), k_collinear).range();
+    own.reached = reached_by(own.root.cwiseInverse().asDiagonal() * unit.design);
   }
 
   /// Sum of P_s, each output in units of its noise over all units, and what it leaves of each row's noise.
@@ -163,6 +159,13 @@ void require_outputs(const std::vector<RandomEffectsUnit>& units, const OutputsO
 }
 
 }  // namespace
+
+Eigen::MatrixXd reached_by(const Eigen::MatrixXd& design) {
+  constexpr double k_collinear = 1e-8;
+  if (design.cols() == 0) return design;
+  const Eigen::VectorXd scale = design.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
+  return PivotedQr(design * scale.asDiagonal(), k_collinear).range();
+}
 
 ResidualNoise estimate_residual_noise(const std::vector<RandomEffectsUnit>& units, const OutputsOfUnits& outputs,
                                       const OutputLevels& levels, double tolerance) {

@@ -15,8 +15,8 @@ namespace mottle::study {
 /// One output of a cloud against the tests; nan where it cannot be said.
 struct CloudComparison {
   double mean_difference = 0.0;  ///< model minus tests, in the output's unit
-  double mean_error =
-      0.0;  ///< the same as a fraction of the tests' mean, near a node of a shape of the largest component
+  double mean_error = 0.0;       ///< the same as a fraction of the tests' mean; near a node of a shape, see
+                                 ///< model::reference_sizes()
   double standard_errors = 0.0;  ///< the same in standard errors of the difference
   double std_ratio = 0.0;        ///< standard deviation of the model with the known noise over that of the tests
 };

@@ -4,13 +4,12 @@
 #include <algorithm>
 
 #include "mottle/linalg/dense/decompositions.hpp"
+#include "mottle/stats/population/residual_noise.hpp"
 #include "updating/fits/measured_outputs.hpp"
 #include "updating/methods/matched_moments.hpp"
 
 namespace mottle::updating {
 namespace {
-
-constexpr double k_collinear = 1e-8;  // of effects, each by its own size: moduli and lengths differ by 1e14
 
 /// Residuals of the specimens in units of the noise, what their own best parameters leave of them.
 struct WhitenedResiduals {
@@ -34,8 +33,7 @@ WhitenedResiduals whiten(const Eigen::Ref<const Eigen::MatrixXd>& tests, const s
     const Eigen::VectorXd weight = noise(rows).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd design = weight.asDiagonal() * unit.design;
     const Eigen::VectorXd response = weight.asDiagonal() * unit.response;
-    const Eigen::VectorXd scale = design.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
-    const Eigen::MatrixXd reached = PivotedQr(design * scale.asDiagonal(), k_collinear).range();
+    const Eigen::MatrixXd reached = reached_by(design);
     const Eigen::VectorXd residual = response - reached * (reached.transpose() * response);
     result.projection(rows, rows) += Eigen::MatrixXd::Identity(count, count) - reached * reached.transpose();
     result.mean_design(rows, Eigen::all) += design;

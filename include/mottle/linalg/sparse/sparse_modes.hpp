@@ -55,7 +55,8 @@ int count_eigenvalues_below(const SparseMatrix& stiffness, const SparseMatrix& m
 /// restarts. K positive semidefinite (rigid-body modes and repeated roots are found), M positive semidefinite
 /// (massless degrees of freedom are no modes); where it is not, see find_negative_mass(), there are none. Fewer modes
 /// than asked for come back where the pencil has no more. Not for use by two threads at once. Same pencil, same
-/// numbers. Source: [Grimes1994]; [GolubVanLoan2013], section 10.3; restarts [Wu2000].
+/// numbers.
+/// Source: [Grimes1994]; [GolubVanLoan2013], section 10.3; restarts [Wu2000].
 class SparseModeSolver {
  public:
   SparseModeSolver();

@@ -23,6 +23,10 @@ struct ResidualNoise {
   bool converged = false;
 };
 
+/// Orthonormal basis of what the columns of a design reach, each by its own size: moduli and lengths differ by 1e14
+/// [row x rank].
+Eigen::MatrixXd reached_by(const Eigen::MatrixXd& design);
+
 /// Restricted likelihood of the noise alone: every unit's effects x_s and the mean error b of each output are free,
 ///
 ///   y_s = G_s x_s + b + e_s,   e_s ~ N(0, R_s),   R_s = noise * level of the output,
