@@ -51,7 +51,7 @@ def settings():
     found += [Setting("four like parts in a row, prior 30 %", row, 0.3, 6, method)
               for method in ("deterministic", "inversion", "moment-matching", "covariance-adjustment", "mares")]
     found += [Setting("modes by rank that cross, scatter 20 %", two_that_cross(), 0.05, 3, scatter=0.2)]
-    found += [Setting(f"two parameters, noise not stated, levels differ by {ratio:g}", two_of_seven(), 0.1, 5, specimens=(n, n), scatter=0.1,
+    found += [Setting(f"two parameters, {n} specimens, noise not stated, levels differ by {ratio:g}", two_of_seven(), 0.1, 5, specimens=(n, n), scatter=0.1,
                       noise=0.002, is_stated=False, ratio=ratio) for n in (10, 30) for ratio in (1.0, 2.0, 3.0, 5.0)]
     return found
 
