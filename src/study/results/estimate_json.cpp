@@ -69,7 +69,7 @@ Json densities_json(const UpdatingProblem& problem, const UpdatingResult& result
   Json list = Json::array();
   for (Eigen::Index i = 0; i < result.mean.size(); ++i) {
     DensityBand band;
-    if (result.intervals) {
+    if (result.intervals && result.is_population) {
       band = density_band(problem.space.parameters()[static_cast<std::size_t>(i)].transform,
                           result.intervals->mean.row(i).transpose(), result.intervals->std.row(i).transpose());
     }

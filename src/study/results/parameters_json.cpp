@@ -59,8 +59,9 @@ Json updated_parameters_json(const UpdatingProblem& problem, const UpdatingResul
   parameters["covariance"] = to_json_rows(result.covariance);
   parameters["is_population"] = result.is_population;
   parameters["mean_ci95"] = result.intervals ? to_json_rows(result.intervals->mean) : Json(nullptr);
-  parameters["std_ci95"] = result.intervals ? to_json_rows(result.intervals->std) : Json(nullptr);
-  parameters["correlation_ci95"] = result.intervals ? correlation_intervals_json(*result.intervals) : Json(nullptr);
+  const bool has_scatter = result.intervals && result.is_population;
+  parameters["std_ci95"] = has_scatter ? to_json_rows(result.intervals->std) : Json(nullptr);
+  parameters["correlation_ci95"] = has_scatter ? correlation_intervals_json(*result.intervals) : Json(nullptr);
   parameters["mean_curvature_bias"] = result.curvature_bias.size() > 0 ? to_json(result.curvature_bias) : Json(nullptr);
   parameters["intervals_by"] = result.intervals ? Json(result.intervals->made_by) : Json(nullptr);
   Json at_bound = Json::array();

@@ -12,7 +12,8 @@
 #include "updating/methods/deterministic_tests.hpp"
 #include "updating/methods/least_squares.hpp"
 #include "updating/methods/least_squares_minima.hpp"
-#include "updating/methods/scatter_curvature.hpp"
+#include "updating/methods/matched_moments.hpp"
+#include "updating/population/mean_intervals.hpp"
 #include "updating/population/model_error.hpp"
 
 namespace mottle::updating {
@@ -81,13 +82,28 @@ IterationRecord record_point(const Eigen::VectorXd& parameters, const Eigen::Mat
   return record;
 }
 
-Eigen::MatrixXd estimate_covariance(const LeastSquares& setup, const Eigen::MatrixXd& g,
-                                    DeterministicOptions::Regularisation regularisation) {
-  const Eigen::MatrixXd information = g.transpose() * setup.weight.asDiagonal() * g;
-  const Eigen::MatrixXd inverse =
-      solve_semidefinite(information + setup.prior, Eigen::MatrixXd::Identity(information.rows(), information.cols()));
-  const bool is_posterior = regularisation == DeterministicOptions::Regularisation::bayesian;
-  const Eigen::MatrixXd covariance = is_posterior ? inverse : Eigen::MatrixXd(inverse * information * inverse);
+bool is_of_many(const UpdatingProblem& problem, const DeterministicOptions& options) {
+  return options.specimen == 0 && problem.tests.values.rows() > 1;
+}
+
+/// How the estimate follows the tests, K = (G' W G + Q)^-1 G' W; a prior that is knowledge adds its own error.
+MeanEstimator estimator_at(const LeastSquares& setup, const Eigen::VectorXd& x, const Eigen::MatrixXd& g,
+                           DeterministicOptions::Regularisation regularisation) {
+  const Eigen::MatrixXd gw = g.transpose() * setup.weight.asDiagonal();
+  const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(x.size(), x.size());
+  const Eigen::MatrixXd inverse = solve_semidefinite(gw * g + setup.prior, unit);
+  const bool is_knowledge = regularisation == DeterministicOptions::Regularisation::bayesian;
+  const Eigen::MatrixXd of_prior = inverse * setup.prior * inverse.transpose();
+  return {x, inverse * gw, is_knowledge ? of_prior : Eigen::MatrixXd(0.0 * unit)};
+}
+
+/// Of one structure's parameters, by the noise of its test, or of the specimens' mean, by their scatter.
+Eigen::MatrixXd estimate_covariance(const UpdatingProblem& problem, const LeastSquares& setup,
+                                    const DeterministicOptions& options, const MeanEstimator& estimator) {
+  if (is_of_many(problem, options)) return covariance_of_mean(problem.tests, estimator);
+  const Eigen::VectorXd noise = setup.weight.cwiseInverse();
+  const Eigen::MatrixXd covariance =
+      estimator.gain * noise.asDiagonal() * estimator.gain.transpose() + estimator.prior_covariance;
   return 0.5 * (covariance + covariance.transpose());
 }
 
@@ -98,12 +114,14 @@ Eigen::VectorXd unbounded_step(const LeastSquares& setup, const Eigen::VectorXd&
   return solve_semidefinite(gw * g + setup.prior, gw * (setup.target - outputs) - setup.prior * (x - setup.start));
 }
 
-/// Means of the outputs of specimens around a point that scatter as the tests do.
-Eigen::VectorXd scattered_means(const UpdatingProblem& problem, const Eigen::VectorXd& x, const Eigen::MatrixXd& g,
-                                const RunContext& context, std::int64_t& evaluations) {
-  const Eigen::VectorXd point = from_variables(problem.space.transforms(), x.transpose()).row(0);
-  const Eigen::VectorXd slopes = ScaledParameters(problem.space).slopes(point);
-  return means_of_scattered(problem, point, g * slopes.asDiagonal(), context, evaluations);
+/// Tests of the mean of many specimens.
+void test_mean(const UpdatingProblem& problem, const LeastSquaresPoint& point, const RunContext& context,
+               UpdatingResult& result) {
+  const Eigen::VectorXd on_scales = from_variables(problem.space.transforms(), point.parameters.transpose()).row(0);
+  const Eigen::MatrixXd sensitivity =
+      point.sensitivity * ScaledParameters(problem.space).slopes(on_scales).asDiagonal();
+  test_matched_moments(problem, matched_mean("deterministic", problem, on_scales, sensitivity, context, result),
+                       context, result);
 }
 
 }  // namespace
@@ -155,14 +173,18 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
                "\"tikhonov\" or \"bayesian\"",
                determined_combinations(setup, g), g.cols());
     const double movement = step_down(problem, setup, point, context, result.model_evaluations);
-    append_state(result, record_point(x, estimate_covariance(setup, g, options_.regularisation), y, g, setup));
+    const MeanEstimator estimator = estimator_at(setup, x, g, options_.regularisation);
+    append_state(result, record_point(x, estimate_covariance(problem, setup, options_, estimator), y, g, setup));
     if (movement <= problem.tolerance) {
       result.status = UpdatingStatus::converged;
       break;
     }
   }
+  const MeanEstimator estimator = estimator_at(setup, x, g, options_.regularisation);
   result.set_estimate(std::make_shared<MomentEstimate>(problem.space.transforms(), x,
-                                                       estimate_covariance(setup, g, options_.regularisation)));
+                                                       estimate_covariance(problem, setup, options_, estimator)));
+  const bool is_of_many_specimens = is_of_many(problem, options_);
+  if (is_of_many_specimens) result.intervals = intervals_of_mean(problem.tests, estimator);
   result.sensitivity = g;
   IterationRecord last = record_state(problem, tests, *result.estimate, context);
   last.output_mean = y;  // the method's own point; the cloud shows the uncertainty around it
@@ -172,21 +194,23 @@ UpdatingResult DeterministicUpdater::update(const UpdatingProblem& problem, cons
   if (updates > 0) result.history.pop_back();
   result.history.push_back(std::move(last));
   result.message = ending_message(result.status, updates, problem.tolerance);
-  const bool is_of_many = options_.specimen == 0 && problem.tests.values.rows() > 1;
-  const Eigen::VectorXd means = is_of_many ? scattered_means(problem, x, g, context, result.model_evaluations) : y;
-  test_structure(problem,
-                 {.specimen = options_.specimen,
-                  .residual = setup.target - means,
-                  .measurement_std = setup.weight.cwiseSqrt().cwiseInverse(),
-                  .free_step = unbounded_step(setup, x, y, g)},
-                 result);
+  if (is_of_many_specimens) {
+    test_mean(problem, point, context, result);
+  } else {
+    test_structure(problem,
+                   {.residual = setup.target - y,
+                    .measurement_std = setup.weight.cwiseSqrt().cwiseInverse(),
+                    .free_step = unbounded_step(setup, x, y, g)},
+                   result);
+  }
   note_model_error(problem, "deterministic",
                    "is added to the measurement error in weights, standard deviations "
                    "and residuals.",
                    result);
-  result.notes.push_back(
-      "The standard deviations of this method say how well the parameters of one structure are known; they do not "
-      "describe the scatter of specimens.");
+  result.notes.push_back(fmt::format(
+      "The standard deviations of this method say how well the {} known; they do not describe the scatter of "
+      "specimens.",
+      is_of_many_specimens ? "specimens' mean is" : "parameters of one structure are"));
   return result;
 }
 

@@ -6,23 +6,11 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
-#include "mottle/updating/methods/iteration.hpp"
 #include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/matched_moments.hpp"
 
 namespace mottle::updating {
 namespace {
-
-Eigen::VectorXd target_variance(const UpdatingProblem& problem, const StructureEstimate& estimate) {
-  Eigen::VectorXd variance = estimate.measurement_std.cwiseAbs2();
-  if (estimate.specimen > 0) return variance;
-  const Eigen::VectorXi count = test_moments(problem.tests).count;
-  const Eigen::VectorXd error = problem.tests.model_error_variance();
-  for (Eigen::Index k = 0; k < variance.size(); ++k) {
-    if (problem.tests.repeatability_std(k) > 0.0) variance(k) = (variance(k) - error(k)) / count(k) + error(k);
-  }
-  return variance;
-}
 
 void plan_residual_test(const UpdatingProblem& problem, const StructureEstimate& estimate,
                         const Eigen::MatrixXd& sensitivity, TestPlan& plan) {
@@ -37,16 +25,8 @@ void plan_residual_test(const UpdatingProblem& problem, const StructureEstimate&
                     estimate.residual.size(), k_more_outputs));
     return;
   }
-  if (estimate.specimen == 0 && problem.tests.values.array().isNaN().any()) {
-    plan.leave_untested(Aspect::means, gaps_untested(Aspect::means, "deterministic"));
-    return;
-  }
-  if (!estimate.residual.allFinite()) {
-    plan.leave_untested(Aspect::means, k_curvature_unknown);
-    return;
-  }
   const Eigen::VectorXd residual = b.transpose() * estimate.residual;
-  const Eigen::MatrixXd covariance = b.transpose() * target_variance(problem, estimate).asDiagonal() * b;
+  const Eigen::MatrixXd covariance = b.transpose() * estimate.measurement_std.cwiseAbs2().asDiagonal() * b;
   PlannedTest test = chi_squared_test("residuals", residual.dot(solve_semidefinite(covariance, residual)), d);
   test.aspect = Aspect::means;
   test.meaning = fmt::format(
@@ -66,11 +46,6 @@ void plan_residual_test(const UpdatingProblem& problem, const StructureEstimate&
 void test_structure(const UpdatingProblem& problem, const StructureEstimate& estimate, UpdatingResult& result) {
   TestPlan plan;
   plan_residual_test(problem, estimate, result.sensitivity, plan);
-  if (estimate.specimen == 0 && problem.tests.values.rows() > 1) {
-    plan.leave_untested(Aspect::scatter,
-                        "The scatter was not tested: method 'deterministic' updates to the mean of the tests alone. "
-                        "Update with method = \"maximum-likelihood\", which estimates the scatter of the specimens.");
-  }
   const ScaledParameters parameters(problem.space);
   const Eigen::VectorXd point = from_variables(parameters.scales(), result.mean.transpose()).row(0);
   const Eigen::VectorXd slope = parameters.slopes(point).cwiseInverse();

@@ -81,7 +81,8 @@ IterationRecord record_of(const Setup& setup, const InversionFit& fit) {
 Eigen::VectorXd common_start(const Setup& setup, InversionOptions::Start kind, const RunContext& context,
                              std::int64_t& evaluations, UpdatingResult& result) {
   if (kind == InversionOptions::Start::prior_mean) return setup.parameters.clamp(setup.parameters.start());
-  const Eigen::VectorXd start = setup.parameters.clamp(start_at_best(setup.problem, context, evaluations, result).mean);
+  const Eigen::VectorXd start =
+      setup.parameters.clamp(start_at_best(setup.problem, context, evaluations, result).start.mean);
   const InversionFit fit =
       invert_specimens(setup.problem, setup.parameters, setup.tests.mean.transpose(), setup.sigma, start.transpose(),
                        context, [&](const InversionFit&) { return !context.stop_requested(); });

@@ -10,7 +10,7 @@
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/fits/scaled_parameters.hpp"
 #include "updating/methods/matched_moments.hpp"
-#include "updating/methods/scatter_curvature.hpp"
+#include "updating/population/mean_intervals.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/verdict/other_solutions.hpp"
 
@@ -105,11 +105,31 @@ Eigen::MatrixXd updated_covariance(const MaresSetup& setup, const IterationRecor
   return covariance;
 }
 
+/// How the fixed point of Eq. 11 follows the tests' mean.
+MeanEstimator estimator_at(const UpdatingProblem& problem, const MaresSetup& setup, const IterationRecord& state,
+                           const Eigen::MatrixXd& g, const MaresOptions& options) {
+  const bool is_recursive = options.covariance == MaresOptions::Covariance::recursive;
+  const Eigen::MatrixXd gw = g.transpose() * setup.weight;
+  const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(g.cols(), g.cols());
+  MeanEstimator estimator{state.parameter_mean, {}, 0.0 * unit};
+  if (options.prior == MaresOptions::Prior::recentred) {
+    estimator.gain = solve_semidefinite(gw * g, gw);
+  } else {
+    const Eigen::MatrixXd damping = inverse_by_lu(is_recursive ? state.parameter_covariance : setup.prior_covariance);
+    estimator.gain = solve_semidefinite(gw * g + damping, gw);
+    const Eigen::MatrixXd held_back = unit - estimator.gain * g;
+    estimator.prior_covariance = held_back * setup.prior_covariance * held_back.transpose();
+  }
+  if (options.weighting == MaresOptions::Weighting::mahalanobis) {
+    const Eigen::VectorXd residual = setup.tests.mean - state.output_mean;
+    set_weighted_by_tests(problem.tests, residual.dot(setup.weight * residual), estimator);
+  }
+  return estimator;
+}
+
 /// With what the iteration begins instead of the prior, whose mean leads to parameters that explain the tests less
 /// well; nothing: with the prior.
-std::optional<VariableMoments> start_beside_prior(const UpdatingProblem& problem, const RunContext& context,
-                                                  UpdatingResult& result) {
-  const PriorOnScales start = start_at_best(problem, context, result.model_evaluations, result);
+std::optional<VariableMoments> start_beside_prior(const UpdatingProblem& problem, const PriorOnScales& start) {
   if (start.mean == prior_on_scales(problem.space).mean) return std::nullopt;
   return moments_of_variables(problem.space.transforms(), start.mean, start.covariance);
 }
@@ -150,7 +170,8 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
   std::vector<double> movements;
   result.status = UpdatingStatus::max_iterations;
   append_state(result, record_state(problem, setup.tests, problem.space.prior(), 0, context));
-  const std::optional<VariableMoments> start = start_beside_prior(problem, context, result);
+  const BestStart best = start_at_best(problem, context, result.model_evaluations, result);
+  const std::optional<VariableMoments> start = start_beside_prior(problem, best.start);
   for (int index = 1; index <= problem.iterations; ++index) {
     if (context.stop_requested()) {
       result.status = UpdatingStatus::stopped;
@@ -181,21 +202,21 @@ UpdatingResult MaresUpdater::update(const UpdatingProblem& problem, const RunCon
       result.status, result.history.size() - 1, problem.tolerance,
       {.stalled = fmt::format("the parameters oscillate: their steps have not become smaller for {} iterations",
                               k_stall_window)});
+  const Eigen::MatrixXd last_sensitivity = estimate_sensitivity(result.history.back().cloud, options_.regression);
+  result.intervals =
+      intervals_of_mean(problem.tests, estimator_at(problem, setup, result.history.back(), last_sensitivity, options_));
   const Eigen::VectorXd point = from_variables(problem.space.transforms(), result.mean.transpose()).row(0);
-  const Eigen::MatrixXd sensitivity = estimate_sensitivity(result.history.back().cloud, options_.regression) *
-                                      ScaledParameters(problem.space).slopes(point).asDiagonal();
-  test_matched_moments(problem,
-                       {.method = "mares",
-                        .mean = point,
-                        .sensitivity = sensitivity,
-                        .means = means_of_scattered(problem, point, sensitivity, context, result.model_evaluations)},
-                       context, result);
+  const Eigen::MatrixXd sensitivity = last_sensitivity * ScaledParameters(problem.space).slopes(point).asDiagonal();
+  MatchedEstimate matched = matched_mean("mares", problem, point, sensitivity, context, result);
+  matched.other_centre = best.solution;
+  test_matched_moments(problem, matched, context, result);
   note_model_error(problem, "mares",
                    "is added to the test variability S_M of Eqs. 11 and 12, in addition to the method's model_error.",
                    result);
   result.notes.push_back(
-      "The standard deviations of this method (Eq. 12) say how well the mean is known given the scatter of the "
-      "tests and the prior; they do not estimate the scatter of the specimens.");
+      "The standard deviations of this method (Eq. 12) say how well one specimen would be known by its test and the "
+      "prior; they do not estimate the scatter of the specimens. How well the specimens' mean is known is said by its "
+      "95 % intervals, which follow the scatter of the tests' mean.");
   return result;
 }
 

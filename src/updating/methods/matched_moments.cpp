@@ -10,6 +10,8 @@
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/methods/least_change.hpp"
+#include "updating/methods/scatter_curvature.hpp"
+#include "updating/population/mean_intervals.hpp"
 #include "updating/population/population_report.hpp"
 #include "updating/population/specimen_residuals.hpp"
 #include "updating/verdict/cloud_agreement.hpp"
@@ -17,6 +19,10 @@
 
 namespace mottle::updating {
 namespace {
+
+constexpr const char* k_curvature_unknown =
+    "The means were not tested: the model fails one standard deviation of the specimens' scatter away from the "
+    "mean, so the effect of that scatter on the means of curved outputs is not known.";
 
 using Scatter = MatchedEstimate::Scatter;
 
@@ -63,19 +69,10 @@ Comparison compare(const UpdatingProblem& problem, const MatchedEstimate& estima
 /// Each specimen's residuals in its own unmoved directions; nothing: the model fails at one.
 std::optional<MeanResiduals> residuals_by_specimen(const Comparison& c, const RunContext& context,
                                                    std::int64_t& evaluations) {
-  const Eigen::MatrixXd& values = c.problem.tests.values;
-  const HoldingPopulation population{c.estimate.mean, prior_on_scales(c.problem.space).covariance,
-                                     c.problem.tests.repeatability_std.cwiseAbs2()};
-  const Eigen::Index q = c.estimate.mean.size();
-  const Eigen::VectorXd error = c.problem.tests.model_error_variance().cwiseSqrt();
-  try {
-    const SpecimenFits fits = fit_specimens(
-        c.problem, values, population, {c.estimate.mean.transpose().replicate(values.rows(), 1)}, context, evaluations);
-    return specimen_residuals(c.problem, population, fits, Eigen::MatrixXd::Identity(q, q),
-                              c.has_error ? error : Eigen::VectorXd(), context, evaluations);
-  } catch (const SystemFailure&) {
-    return std::nullopt;
-  }
+  std::optional<MeanResiduals> own = residuals_about(c.problem, c.estimate.mean, context, evaluations);
+  if (c.estimate.other_centre.size() == 0) return own;
+  std::optional<MeanResiduals> other = residuals_about(c.problem, c.estimate.other_centre, context, evaluations);
+  return other && (!own || other->mean_squares < own->mean_squares) ? other : own;
 }
 
 Power mean_power(double noncentrality, double specimens) {
@@ -256,22 +253,23 @@ FreeMean free_mean(const Comparison& c) {
 
 }  // namespace
 
+MatchedEstimate matched_mean(const std::string& method, const UpdatingProblem& problem, const Eigen::VectorXd& mean,
+                             const Eigen::MatrixXd& sensitivity, const RunContext& context, UpdatingResult& result) {
+  MatchedEstimate estimate{.method = method, .mean = mean, .sensitivity = sensitivity};
+  const bool is_noise_known = (problem.tests.repeatability_std.array() > 0.0).all();
+  estimate.is_by_specimen = is_noise_known && problem.derivatives != nullptr;
+  if (!estimate.is_by_specimen) {
+    estimate.means = means_of_scattered(problem, mean, sensitivity, context, result.model_evaluations);
+  }
+  return estimate;
+}
+
 std::string gaps_untested(Aspect aspect, const std::string& method) {
   return fmt::format(
       "The {} not tested: entries are missing, and method '{}' takes each output over the specimens that have it. "
       "Update "
       "with method = \"maximum-likelihood\", whose tests take each specimen by itself.",
       aspect == Aspect::means ? "means were" : "scatter was", method);
-}
-
-Eigen::MatrixXd covariance_of_tests_mean(const TestData& tests, const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
-  const Eigen::MatrixXd measured = (!tests.values.array().isNaN()).cast<double>();
-  const Eigen::MatrixXd together = measured.transpose() * measured;
-  const Eigen::VectorXd count = together.diagonal().cwiseMax(1.0);
-  Eigen::MatrixXd result =
-      count.cwiseInverse().asDiagonal() * covariance.cwiseProduct(together) * count.cwiseInverse().asDiagonal();
-  result.diagonal() += tests.model_error_variance();
-  return result;
 }
 
 void test_matched_moments(const UpdatingProblem& problem, const MatchedEstimate& estimate, const RunContext& context,

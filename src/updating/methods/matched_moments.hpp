@@ -25,21 +25,23 @@ struct MatchedEstimate {
   /// Where the noise is known: means and residuals are those of each specimen in its own unmoved directions, which do
   /// not depend on the estimate's scatter.
   bool is_by_specimen = false;
+  /// Another centre of the specimens' fits, on the parameters' scales; the one whose residuals are smaller counts,
+  /// since a method that ends beside the best parameters says nothing of the model. Empty: none [parameter].
+  Eigen::VectorXd other_centre = {};
   /// Of scatter-agreement; without studies it has its closed law.
   StudiedStatistic cloud_scatter = {};
 };
 
-inline constexpr const char* k_curvature_unknown =
-    "The means were not tested: the model fails one standard deviation of the specimens' scatter away from the "
-    "mean, so the effect of that scatter on the means of curved outputs is not known.";
+/// The estimate of a method that finds the mean alone. Its means are tested specimen by specimen where the noise is
+/// known and the model has derivatives, so that the fits cost little; else with what curvature adds to second order.
+///
+/// @param mean  on the parameters' scales
+MatchedEstimate matched_mean(const std::string& method, const UpdatingProblem& problem, const Eigen::VectorXd& mean,
+                             const Eigen::MatrixXd& sensitivity, const RunContext& context, UpdatingResult& result);
 
 /// Why a method that takes means and covariances output by output leaves an aspect untested where entries are missing:
 /// the parameters' scatter does not cancel in differences of outputs that other specimens have.
 std::string gaps_untested(Aspect aspect, const std::string& method);
-
-/// Sampling covariance of the mean of the tests about the model's, C / n + D, from that of one test, C [output x
-/// output], and a given error D of the model, which all specimens have in common.
-Eigen::MatrixXd covariance_of_tests_mean(const TestData& tests, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
 /// Puts the tests of the estimate into the result, which must have its history:
 ///

@@ -208,7 +208,7 @@ UpdatingResult iterate_moments(const UpdatingProblem& problem, const ScaledParam
   UpdatingResult result;
   append_state(result, record_state(problem, setup.tests, problem.space.prior(), 0, context));
   Progress progress;
-  const PriorOnScales start = start_at_best(problem, context, progress.evaluations, result);
+  const PriorOnScales start = start_at_best(problem, context, progress.evaluations, result).start;
   progress.state.mean = parameters.clamp(start.mean);
   progress.state.covariance = start.covariance;
   keep_groups(progress.state.covariance, problem.covariance_groups);

@@ -2,7 +2,7 @@
 
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
-#include "updating/methods/matched_moments.hpp"
+#include "updating/population/mean_intervals.hpp"
 
 namespace mottle::updating {
 

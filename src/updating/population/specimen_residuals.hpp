@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 
 #include "mottle/layers.hpp"
 #include "updating/fits/specimen_fit.hpp"
@@ -25,5 +26,12 @@ namespace mottle::updating {
 MeanResiduals specimen_residuals(const UpdatingProblem& problem, const HoldingPopulation& population, SpecimenFits fits,
                                  const Eigen::MatrixXd& map, const Eigen::VectorXd& error, const RunContext& context,
                                  std::int64_t& evaluations);
+
+/// The same of fits held about a centre by the prior's covariance, with the stated noise and error; nothing: the model
+/// fails at a specimen.
+///
+/// @param centre  on the parameters' scales [parameter]
+std::optional<MeanResiduals> residuals_about(const UpdatingProblem& problem, const Eigen::VectorXd& centre,
+                                             const RunContext& context, std::int64_t& evaluations);
 
 }  // namespace mottle::updating

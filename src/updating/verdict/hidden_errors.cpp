@@ -9,7 +9,7 @@
 #include "mottle/core/error.hpp"
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "updating/fits/measured_outputs.hpp"
-#include "updating/methods/matched_moments.hpp"
+#include "updating/population/mean_intervals.hpp"
 #include "updating/verdict/test_plan.hpp"
 
 namespace mottle::updating {

@@ -7,7 +7,7 @@
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
 #include "updating/fits/scaled_parameters.hpp"
-#include "updating/methods/matched_moments.hpp"
+#include "updating/population/mean_intervals.hpp"
 #include "updating/population/model_error.hpp"
 #include "updating/population/population_report.hpp"
 
@@ -85,14 +85,16 @@ void name_other_solutions(const UpdatingProblem& problem, const PopulationFit& e
   }
 }
 
-PriorOnScales start_at_best(const UpdatingProblem& problem, const RunContext& context, std::int64_t& evaluations,
-                            UpdatingResult& result) {
+BestStart start_at_best(const UpdatingProblem& problem, const RunContext& context, std::int64_t& evaluations,
+                        UpdatingResult& result) {
   constexpr double k_kept = 0.01;  // of the prior's variance
   PriorOnScales start = prior_on_scales(problem.space);
-  if (context.stop_requested()) return start;
+  if (context.stop_requested()) return {start, {}};
   const MeanSolutions means = find_mean_solutions(problem, result.history.front().cloud, context, evaluations);
   result.search = SolutionSearch{.starts = means.starts, .is_settled = means.solutions.front().met >= 2};
-  if (means.solutions.size() == 1 && means.solutions.front().is_from_prior) return start;
+  if (means.solutions.size() == 1 && means.solutions.front().is_from_prior) {
+    return {start, means.solutions.front().point};
+  }
   const PopulationFitSettings settings{.noise = noise_model(problem, {}),
                                        .model_error = model_error_model(problem),
                                        .iterations = problem.iterations,
@@ -100,10 +102,10 @@ PriorOnScales start_at_best(const UpdatingProblem& problem, const RunContext& co
   const std::vector<PopulationSolution> solutions = fit_solutions(problem, settings, means, context, evaluations);
   const PopulationSolution& best = solutions.front();
   name_other_solutions(problem, best.fit, solutions, means.starts, result);
-  if (best.mean.is_from_prior) return start;
+  if (best.mean.is_from_prior) return {start, best.mean.point};
   start.mean = best.fit.mean;
   start.covariance = best.fit.covariance + k_kept * start.covariance;
-  return start;
+  return {start, best.mean.point};
 }
 
 }  // namespace mottle::updating

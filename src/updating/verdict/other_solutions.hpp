@@ -22,13 +22,18 @@ namespace mottle::updating {
 void name_other_solutions(const UpdatingProblem& problem, const PopulationFit& estimate,
                           const std::vector<PopulationSolution>& solutions, int starts, UpdatingResult& result);
 
+struct BestStart {
+  PriorOnScales start;
+  Eigen::VectorXd solution;  ///< of the tests' mean, the one of the greatest weight; empty: there was no search
+};
+
 /// Where a method without a likelihood of its own starts, on the scales: with the prior if its mean leads to the
 /// solution of the greatest weight, else with the population there, a hundredth of the prior's variance added. Where
 /// the tests' mean has several solutions, the population is fitted from each by the settings of `maximum-likelihood`.
 /// Sets `other_solutions` and `search` as above.
 ///
 /// @param result  its first state holds the prior's cloud
-PriorOnScales start_at_best(const UpdatingProblem& problem, const RunContext& context, std::int64_t& evaluations,
-                            UpdatingResult& result);
+BestStart start_at_best(const UpdatingProblem& problem, const RunContext& context, std::int64_t& evaluations,
+                        UpdatingResult& result);
 
 }  // namespace mottle::updating

@@ -131,7 +131,7 @@ TEST(ModelError, AddsToTheMeasurementsOfOneStructure) {
   const auto standard_deviations = [&](const Eigen::VectorXd& noise, const Eigen::VectorXd& error) {
     UpdatingProblem problem = problem_of(linear, error);
     problem.tests.repeatability_std = noise;
-    return test::standard_deviations(DeterministicUpdater({}).update(problem, {}));
+    return test::standard_deviations(DeterministicUpdater({.specimen = 1}).update(problem, {}));
   };
   const Eigen::VectorXd error = Eigen::Vector4d(0.3, 0.1, 0.2, 0.4);
   const Eigen::VectorXd both = (linear.noise.cwiseAbs2() + error.cwiseAbs2()).cwiseSqrt();

@@ -1,0 +1,85 @@
+#include "updating/population/mean_intervals.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "mottle/updating/methods/iteration.hpp"
+
+namespace mottle::updating {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Of one test: that of the sample, its variances at least those of the stated noise.
+Eigen::MatrixXd covariance_of_test(const TestData& tests) {
+  Eigen::MatrixXd covariance = test_moments(tests).covariance;
+  covariance.diagonal() = covariance.diagonal().cwiseMax(tests.repeatability_std.cwiseAbs2());
+  return covariance;
+}
+
+/// The part of covariance_of_mean() that does not shrink with the number of specimens.
+Eigen::MatrixXd known_part(const TestData& tests, const MeanEstimator& estimator) {
+  return estimator.gain * tests.model_error_variance().asDiagonal() * estimator.gain.transpose() +
+         estimator.prior_covariance;
+}
+
+double degrees_of_freedom_of(const TestData& tests, const MeanEstimator& estimator) {
+  if (!std::isnan(estimator.degrees_of_freedom)) return estimator.degrees_of_freedom;
+  return static_cast<double>(test_moments(tests).count.minCoeff()) - 1.0;
+}
+
+}  // namespace
+
+Eigen::MatrixXd covariance_of_tests_mean(const TestData& tests, const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  const Eigen::MatrixXd measured = (!tests.values.array().isNaN()).cast<double>();
+  const Eigen::MatrixXd together = measured.transpose() * measured;
+  const Eigen::VectorXd count = together.diagonal().cwiseMax(1.0);
+  Eigen::MatrixXd result =
+      count.cwiseInverse().asDiagonal() * covariance.cwiseProduct(together) * count.cwiseInverse().asDiagonal();
+  result.diagonal() += tests.model_error_variance();
+  return result;
+}
+
+void set_weighted_by_tests(const TestData& tests, double distance, MeanEstimator& estimator) {
+  const double n = test_moments(tests).count.minCoeff();
+  const auto spent = static_cast<double>(estimator.gain.cols() - estimator.gain.rows());
+  estimator.degrees_of_freedom = n - 1.0 - spent;
+  estimator.inflation = (1.0 + n * distance / (n - 1.0)) * (n - 1.0) / std::max(estimator.degrees_of_freedom, 1.0);
+}
+
+Eigen::MatrixXd covariance_of_mean(const TestData& tests, const MeanEstimator& estimator) {
+  const Eigen::MatrixXd of_tests = covariance_of_tests_mean(tests, estimator.inflation * covariance_of_test(tests));
+  const Eigen::MatrixXd covariance =
+      estimator.gain * of_tests * estimator.gain.transpose() + estimator.prior_covariance;
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+ParameterIntervals intervals_of_mean(const TestData& tests, const MeanEstimator& estimator) {
+  constexpr double k_tail = 0.025;
+  constexpr double k_nearly_normal = 1e9;
+  const Eigen::Index q = estimator.mean.size();
+  const double degrees_of_freedom = degrees_of_freedom_of(tests, estimator);
+  const Eigen::MatrixXd covariance = covariance_of_mean(tests, estimator);
+  const Eigen::MatrixXd known = known_part(tests, estimator);
+  ParameterIntervals intervals{.mean = Eigen::MatrixXd::Constant(q, 2, k_nan),
+                               .std = Eigen::MatrixXd::Constant(q, 2, k_nan),
+                               .correlation_lower = Eigen::MatrixXd::Constant(q, q, k_nan),
+                               .correlation_upper = Eigen::MatrixXd::Constant(q, q, k_nan),
+                               .made_by = "analytic"};
+  intervals.correlation_lower.diagonal().setOnes();
+  intervals.correlation_upper.diagonal().setOnes();
+  if (degrees_of_freedom < 1.0) return intervals;
+  for (Eigen::Index i = 0; i < q; ++i) {
+    const double variance = covariance(i, i);
+    const double own = variance - known(i, i);
+    if (!(variance > 0.0)) continue;
+    const double ratio = own > 0.0 ? variance / own : std::sqrt(k_nearly_normal);
+    const boost::math::students_t t(std::min(degrees_of_freedom * ratio * ratio, k_nearly_normal));
+    const double half = boost::math::quantile(complement(t, k_tail)) * std::sqrt(variance);
+    intervals.mean.row(i) << estimator.mean(i) - half, estimator.mean(i) + half;
+  }
+  return intervals;
+}
+
+}  // namespace mottle::updating
