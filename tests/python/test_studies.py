@@ -217,4 +217,6 @@ def test_representations(examples):
     page = result._repr_html_()
     assert "<script" not in page and "<table>" in page
     assert "verdict: " in str(result)
+    assert [cause["kind"] for cause in result.causes] == ["scatter-not-estimated", "too-few-outputs", "unknown-noise"]
+    assert result.causes[0]["next"]["command"].startswith("mottle update")
     assert list(result.to_pandas().index) == ["k1", "k2", "k5"]

@@ -190,6 +190,7 @@ class StudyFolder {
 /// result.json without its timings, to be compared.
 inline nlohmann::json untimed(nlohmann::json result) {
   result.erase("timings_s");
+  result.erase("study_files");
   return result;
 }
 

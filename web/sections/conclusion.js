@@ -45,6 +45,28 @@ function tone_of(study, conclusion, given) {
   return conclusion === "adequate" && record(study.result.verdict).is_reassuring === false ? "open" : given;
 }
 
+/** Kinds of causes that are a test which refused the model. */
+const refusals = ["means", "scatter", "bounds", "prior-shift", "cover"];
+
+/** What the verdict comes from: a cross where a test refused the model, else a mark of doubt. */
+function causes_of(verdict) {
+  const causes = list(verdict.causes).map(record);
+  if (!causes.length) return null;
+  return element(
+    "ul",
+    { class: "causes" },
+    causes.map(({ kind, sentence }) => {
+      const is_refusal = refusals.includes(kind);
+      return element(
+        "li",
+        { class: is_refusal ? "flag-text" : null, "data-cause": kind },
+        element("span", { class: "cause-sign", "aria-hidden": "true" }, is_refusal ? "✗" : "!"),
+        prose(String(sentence ?? "")),
+      );
+    }),
+  );
+}
+
 function statement(study) {
   const verdict = record(study.result.verdict);
   const conclusion = conclusion_of(verdict);
@@ -64,6 +86,7 @@ function statement(study) {
         verdict.headline ? element("span", { class: "headline" }, ` – ${verdict.headline}`) : null,
       ),
       verdict.headline ? null : paragraph(text),
+      causes_of(verdict),
       summary.length ? bullets(summary, { class: "summary-list" }) : null,
     ),
   );

@@ -171,6 +171,7 @@ const can_be_drawn = (study) =>
 export default {
   id: "distributions",
   title: "Parameters: prior and updated distributions",
+  is_in_print: true,
   has_data: (study) => study.is_update && can_be_drawn(study).length > 0,
   explained: [
     [

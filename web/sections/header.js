@@ -1,5 +1,5 @@
 // The head of the report: what was studied, how it ended, and the counts that matter.
-import { extent, is_number, list } from "../src/data.js";
+import { extent, is_number, list, record } from "../src/data.js";
 import { bullets, element, paragraph, prose } from "../src/dom.js";
 import { count_text, number_text, words } from "../src/format.js";
 
@@ -44,7 +44,8 @@ function facts_of_result(study) {
     ["Model evaluations", is_number(result.model_evaluations) ? count_text(result.model_evaluations) : null],
     ["Seed", result.seed === undefined || result.seed === null ? null : String(result.seed)],
     ["Units", result.units],
-    ["Mottle", result.mottle],
+    ["Finished", record(result.timings_s).finished],
+    ["Mottle", result.commit ? `${result.mottle} (${result.commit})` : result.mottle],
   ];
 }
 

@@ -1,5 +1,5 @@
 // How the run was made: what it takes to make it again.
-import { is_number, record } from "../src/data.js";
+import { is_number, list, record } from "../src/data.js";
 import { element } from "../src/dom.js";
 import { count_text, seconds_text, short_number, words } from "../src/format.js";
 
@@ -18,6 +18,8 @@ function value_text(value) {
   if (Array.isArray(value)) return value.map(value_text).join(", ");
   return typeof value === "boolean" ? (value ? "yes" : "no") : String(value);
 }
+
+const version_of = ({ mottle, commit }) => (mottle && commit ? `${mottle}, commit ${commit}` : mottle);
 
 function block(title, entries, id) {
   if (!entries.length) return null;
@@ -51,7 +53,8 @@ export default {
       ["Command", result.command && `mottle ${result.command}`],
       ["Method", result.method],
       ["Seed", result.seed === null || result.seed === undefined ? null : String(result.seed)],
-      ["Mottle", result.mottle],
+      ["Mottle", version_of(result)],
+      ["Finished", record(result.timings_s).finished],
       ["Result schema", value_text(result.schema)],
       ["Model evaluations", is_number(result.model_evaluations) ? count_text(result.model_evaluations) : null],
     ];
@@ -70,8 +73,17 @@ export default {
           "options",
         ),
         block(
+          "Files as read, with the first digits of their digests",
+          [...list(result.study_files), ...list(result.model_files)]
+            .map(record)
+            .map(({ name, digest }) => [String(name), String(digest).slice(0, 12)]),
+          "files",
+        ),
+        block(
           "Time",
-          flattened(record(result.timings_s)).map(([name, value]) => [words(name), seconds_text(value)]),
+          flattened(record(result.timings_s))
+            .filter(([, value]) => is_number(value))
+            .map(([name, value]) => [words(name), seconds_text(value)]),
           "timings",
         ),
       ),

@@ -52,6 +52,7 @@ function build(study, axes, steps, width) {
 export default {
   id: "scatter",
   title: (study) => (study.tests.length ? "Scatter of tests and model" : "Scatter of the model's outputs"),
+  is_in_print: true,
   has_data: (study) => study.output_axes.length > 1 && shown_iterations(study).length > 0,
   explained: [
     [

@@ -25,6 +25,20 @@ export const first_screen_checks = [
     },
   ],
   [
+    "every cause of the verdict is said under it, a test that refused the model with a cross",
+    async ({ page, data }) => {
+      const causes = list(result_of(data).verdict?.causes);
+      if (!is_update(data)) return;
+      const shown = page.locator("#conclusion [data-cause]");
+      assert.equal(await shown.count(), causes.length);
+      for (const [i, { kind, sentence }] of causes.entries()) {
+        const text = await shown.nth(i).innerText();
+        assert.ok(text.includes(sentence));
+        assert.equal(text.includes("✗"), ["means", "scatter", "bounds", "prior-shift", "cover"].includes(kind));
+      }
+    },
+  ],
+  [
     "outputs stand with their errors, the worst first, and what is not reproduced is marked in words and signs",
     async ({ page, data }) => {
       const rows = list(result_of(data).agreement?.outputs);

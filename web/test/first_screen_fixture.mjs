@@ -48,6 +48,10 @@ export function with_first_screen(data, { flagged = [], marks = [], is_reassurin
     headline: headline ?? "A headline.",
     is_reassuring,
     summary: ["Means: <i>as text</i>.", "Scatter: as text."],
+    causes: [
+      { kind: "outlier", sentence: "Specimen <3> lies 9.4 standard deviations from the others.", specimens: [3], outputs: [], next: { command: null, reason: "Look at it." } },
+      ...(verdict.conclusion === "inadequate" ? [{ kind: "means", sentence: "The means of f1 differ.", specimens: [], outputs: ["f1"], next: { command: null, reason: "Diagnose." } }] : []),
+    ],
     next: [{ command: command ?? "mottle diagnose 'case <1>.toml'", reason: "Since `it` is so." }],
   });
   return data;

@@ -134,6 +134,8 @@ export const layout_checks = [
       const pdf = await study.page.pdf({ preferCSSPageSize: true });
       const pages = pdf.toString("latin1").match(/\/Type \/Page[^s]/g)?.length;
       assert.ok(pages >= 1 && pages <= 2, `${pages} pages`);
+      const figures = await study.page.locator("section.in-print .plot-area").count();
+      if (study.data.result?.command === "update") assert.ok(figures >= 1 && figures <= 2, `${figures} figures`);
     },
   ],
 ];

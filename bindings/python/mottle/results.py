@@ -109,6 +109,12 @@ class UpdateResult(_WithFiles):
         return self._engine.reasons
 
     @property
+    def causes(self) -> list[dict[str, Any]]:
+        """What the verdict comes from, the most useful to look at first: "kind", "sentence", "specimens" (numbers), "outputs"
+        and "next" ("command" or None, and "reason")."""
+        return self.to_dict()["verdict"]["causes"]
+
+    @property
     def notes(self) -> list[str]:
         """What a reader of the numbers must know, what casts doubt on them included."""
         return list(self.to_dict()["notes"])
@@ -201,8 +207,9 @@ class UpdateResult(_WithFiles):
             f"<tr><th>{html.escape(n)}</th><td>{m:.6g}</td><td>{s:.4g}</td></tr>"
             for n, m, s in zip(self.parameters, self.mean, self.std)
         )
+        causes = "".join(f"<p>{html.escape(cause['sentence'])}</p>" for cause in self.causes)
         return (
-            f"<p><b>{html.escape(self.verdict)}</b>, {html.escape(self.status)}: {html.escape(self.message)}</p>"
+            f"<p><b>{html.escape(self.verdict)}</b>, {html.escape(self.status)}: {html.escape(self.message)}</p>{causes}"
             f"<table><thead><tr><th>parameter</th><th>mean</th><th>standard deviation</th></tr></thead>"
             f"<tbody>{rows}</tbody></table>"
         )

@@ -37,6 +37,7 @@ StudyTest read_test(TomlReader reader, const std::filesystem::path& folder) {
   } else {
     reader.raw("pairing");
   }
+  test.left_out = reader.mode_numbers("leave_out", "specimen");
   const toml::node* repeatability = reader.raw("repeatability");
   if (repeatability != nullptr && repeatability->is_string()) {
     test.repeats_file = folder / reader.text("repeatability");

@@ -37,7 +37,7 @@ void pair_rows(const Study& study, const StructureModel& model, const std::vecto
       std::string turned = turn_shapes(values, model.selection(), reference, numbers);
       if (!turned.empty()) tests.notes.push_back(std::move(turned));
       std::string unlike = unlike_shapes(values, model.selection(), reference, numbers);
-      if (!unlike.empty()) tests.warnings.push_back(std::move(unlike));
+      if (!unlike.empty()) tests.doubts.push_back({"unlike-shapes", std::move(unlike)});
       return;
     }
     for (std::string& note : pair_tests(values, model.selection(), reference, numbers)) tests.notes.push_back(note);
@@ -190,26 +190,56 @@ Eigen::MatrixXd values_of_modes(const Study& study, const StructureModel& model,
   }
 }
 
+/// Keeps the rows for which `is_kept` holds, with their numbers; the numbers of the others.
+template <class Claim>
+std::vector<std::string> keep_where(StudyTests& tests, Claim is_kept) {
+  std::vector<Eigen::Index> kept;
+  std::vector<int> numbers;
+  std::vector<std::string> others;
+  for (Eigen::Index s = 0; s < tests.data.values.rows(); ++s) {
+    const int number = tests.data.number_of(s);
+    if (!is_kept(s, number)) {
+      others.push_back(fmt::format("{}", number));
+      continue;
+    }
+    kept.push_back(s);
+    numbers.push_back(number);
+  }
+  if (kept.empty()) return others;
+  tests.data.values = Eigen::MatrixXd(tests.data.values(kept, Eigen::all));
+  tests.data.numbers = std::move(numbers);
+  return others;
+}
+
 /// A specimen of which pairing left nothing tells nothing, and methods expect a value of each.
 void leave_out_empty(StudyTests& tests) {
-  std::vector<Eigen::Index> kept;
-  std::vector<std::string> empty;
-  for (Eigen::Index s = 0; s < tests.data.values.rows(); ++s) {
-    if (tests.data.values.row(s).array().isNaN().all()) {
-      empty.push_back(fmt::format("specimen {}", tests.data.number_of(s)));
-    } else {
-      kept.push_back(s);
-    }
-  }
-  if (kept.empty()) return;
-  std::vector<int> numbers;
-  for (const Eigen::Index s : kept) numbers.push_back(tests.data.number_of(s));
-  tests.data.numbers = std::move(numbers);
+  const Eigen::MatrixXd values = tests.data.values;
+  if (values.array().isNaN().all()) return;
+  const std::vector<std::string> empty =
+      keep_where(tests, [&](Eigen::Index s, int) { return !values.row(s).array().isNaN().all(); });
   if (empty.empty()) return;
-  tests.data.values = Eigen::MatrixXd(tests.data.values(kept, Eigen::all));
+  tests.notes.push_back(fmt::format(
+      "Specimens of which no output is left after pairing are left out: specimen {}; the others keep their numbers.",
+      first_few(empty)));
+}
+
+void leave_out_named(const Study& study, StudyTests& tests) {
+  const std::vector<int>& named = study.test->left_out;
+  if (named.empty()) return;
+  std::vector<std::string> known;
+  for (Eigen::Index s = 0; s < tests.data.values.rows(); ++s)
+    known.push_back(fmt::format("{}", tests.data.number_of(s)));
+  for (const int number : named) {
+    require(tests.data.find(number) >= 0, "{}",
+            located(study, "test.leave_out",
+                    fmt::format("there is no specimen {}; the tests have {}", number, first_few(known))));
+  }
+  const std::vector<std::string> out =
+      keep_where(tests, [&](Eigen::Index, int number) { return std::ranges::find(named, number) == named.end(); });
+  require(static_cast<Eigen::Index>(out.size()) < tests.data.values.rows(), "{}",
+          located(study, "test.leave_out", "leaves no specimen"));
   tests.notes.push_back(
-      fmt::format("Specimens of which no output is left after pairing are left out: {}; the others keep their numbers.",
-                  first_few(empty)));
+      fmt::format("As [test] leave_out says, specimen {} is left out; the others keep their numbers.", first_few(out)));
 }
 
 }  // namespace
@@ -225,7 +255,9 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
   const std::vector<std::string> names = output_names(model.outputs());
   StudyTests tests;
   tests.notes = std::move(contents.notes);
-  tests.warnings = repeated_specimens(contents);
+  for (std::string& sentence : repeated_specimens(contents)) {
+    tests.doubts.push_back({"repeated-specimens", std::move(sentence)});
+  }
   std::optional<FrequencyPairing> by_frequency;
   if (contents.table) by_frequency = pair_columns(study, model, *contents.table, tests.notes);
   const Eigen::MatrixXd measured = contents.table ? values_of_rows(study, model, *contents.table, tests)
@@ -235,6 +267,7 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
     tests.notes.push_back(free_size_note(model, measured, tests.data));
   }
   leave_out_empty(tests);
+  leave_out_named(study, tests);
   tests.file = contents.table ? contents.table->file : study.test->files.front().string();
   tests.is_by_rank = pairing == TestPairing::order || pairing == TestPairing::frequency;
   for (Eigen::Index k = 0; k < tests.data.values.cols(); ++k) {
@@ -251,7 +284,7 @@ StudyTests read_tests(const Study& study, const StructureModel& model) {
                       : why_missing(model, model.outputs()[static_cast<std::size_t>(k)], measured, tests,
                                     pairing == TestPairing::mac));
   }
-  for (std::string& doubt : doubtful_frequencies(model, tests.data)) tests.warnings.push_back(std::move(doubt));
+  for (TestDoubt& doubt : doubtful_frequencies(model, tests.data)) tests.doubts.push_back(std::move(doubt));
   add_repeatability(study, model, by_frequency, tests);
   add_model_error(study, names, tests);
   return tests;

@@ -149,15 +149,17 @@ std::vector<double> TomlReader::numbers(const std::string& key) {
   return result;
 }
 
-std::vector<int> TomlReader::mode_numbers(const std::string& key) {
+std::vector<int> TomlReader::mode_numbers(const std::string& key, std::string_view what) {
   const toml::node* node = find(key);
   if (node == nullptr) return {};
   const toml::array* list = node->as_array();
-  if (list == nullptr) fail_value(key, "a list of mode numbers, like [1, 2, 3]");
+  if (list == nullptr) fail_value(key, fmt::format("a list of {} numbers, like [1, 2, 3]", what));
   std::vector<int> result;
   for (const toml::node& entry : *list) {
     const auto value = entry.value_exact<std::int64_t>();
-    if (!value || *value < 1 || *value > 1000000) fail_value(key, "a list of mode numbers >= 1, like [1, 2, 3]");
+    if (!value || *value < 1 || *value > 1000000) {
+      fail_value(key, fmt::format("a list of {} numbers >= 1, like [1, 2, 3]", what));
+    }
     result.push_back(static_cast<int>(*value));
   }
   return result;

@@ -33,8 +33,8 @@ class TomlReader {
   std::int64_t integer_or(const std::string& key, std::int64_t fallback, const OptionRange& range);
   bool flag_or(const std::string& key, bool fallback);
   std::vector<double> numbers(const std::string& key);
-  /// Whole numbers, each >= 1.
-  std::vector<int> mode_numbers(const std::string& key);
+  /// Whole numbers, each >= 1: of modes or, by `what`, of something else.
+  std::vector<int> mode_numbers(const std::string& key, std::string_view what = "mode");
   /// One of `choices`; returns its index.
   std::size_t choice(const std::string& key, const std::vector<std::string>& choices, std::size_t fallback);
   /// name -> number.

@@ -47,8 +47,8 @@ std::string hidden_error_sentence(const NamedError& error, const std::vector<std
                            : "the test of the means would refuse it in 80 % of cases if the noise were known "
                              "to be as estimated; it is not, and fewer are refused");
   }
-  return fmt::format("{} off by {} would have passed the tests of means and scatter, and moves {}{}.", error.name, size,
-                     harm, error.error.is_cut ? "; a larger error drives a mean out of its bounds" : "");
+  return fmt::format("{} off by {} would not show in these tests, and moves {}{}.", error.name, size, harm,
+                     error.error.is_cut ? "; a larger error drives a mean out of its bounds" : "");
 }
 
 std::string sizes_text(const std::vector<NamedError>& errors) {

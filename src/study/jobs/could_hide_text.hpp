@@ -16,7 +16,7 @@ std::string change_text(const NamedError& error);
 /// it has no interval; without a number where a mean moves too far for first order.
 std::string harm_text(const HiddenError& error, const std::vector<std::string>& parameters);
 
-/// "k6 off by 10 % would have passed the tests of means and scatter, and moves k1 by ...".
+/// "k6 off by 10 % would not show in these tests, and moves k1 by ...".
 ///
 /// @param is_level_known  whether the test of the means knows the noise; it promises less where its level is estimated
 std::string hidden_error_sentence(const NamedError& error, const std::vector<std::string>& parameters,

@@ -116,7 +116,7 @@ void try_study(InitOutcome& outcome) {
     const StudyTests tests = read_tests(study, *made.model);
     require_repeated_outputs(tests.data, made.model->outputs());
     refuse_unit_errors(study, made, tests);
-    outcome.notes.insert(outcome.notes.end(), tests.warnings.begin(), tests.warnings.end());
+    for (const TestDoubt& doubt : tests.doubts) outcome.notes.push_back(doubt.sentence);
   } catch (const InvalidInput& error) {
     outcome.notes.push_back(fmt::format("The study does not run yet: {}", error.what()));
   }

@@ -41,7 +41,7 @@ void note_what_happened(const UpdatingResult& result, std::int64_t reused, const
 void note_what_is_given(const Study& study, const UpdatePlan& plan, const RunContext& context) {
   for (const std::string& note : plan.made.notes) context.note(note);
   for (const std::string& note : plan.tests.notes) context.note(note);
-  for (const std::string& warning : plan.tests.warnings) context.warning(warning);
+  for (const TestDoubt& doubt : plan.tests.doubts) context.warning(doubt.sentence);
   if (!plan.covariance_groups.empty() && !find_method(study.update.method).estimates_population) {
     context.warning(fmt::format("update.covariance is not used: method '{}' does not estimate the scatter of specimens",
                                 study.update.method));
@@ -84,8 +84,9 @@ UpdateOutcome update_by_plan(const Study& study, UpdatePlan given_plan, double s
   const UpdatePlan& plan = workings->plan;
   workings->factors = factor_nominals(study);
   workings->model_files = digest_model_files(study, plan.made.files);
+  workings->study_files = digest_study_files(study);
   UpdateOutcome outcome{.study = study, .workings = workings, .ranks = rank_count(settings)};
-  if (!plan.tests.warnings.empty()) {  // a study that is refused is told that alone, and leaves no files
+  if (!plan.tests.doubts.empty()) {  // a study that is refused is told that alone, and leaves no files
     refuse_what_methods_refuse(study, plan, {.seed = study.seed, .threads = settings.threads, .stop = settings.stop});
   }
   const JobFiles files(settings, k_log, k_journal);

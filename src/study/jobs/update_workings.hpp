@@ -18,6 +18,7 @@ namespace mottle::study {
 struct UpdateWorkings {
   UpdatePlan plan;
   std::vector<ModelFile> model_files = {};                           ///< as they were when the model was read
+  std::vector<ModelFile> study_files = {};                           ///< the study's own and its tests', likewise
   std::vector<std::optional<FactorNominal>> factors = {};            ///< [parameter]
   std::unique_ptr<const Model> model = nullptr;                      ///< that was run; see plan.made for what it is
   std::unique_ptr<const DifferentiableModel> derivatives = nullptr;  ///< of a given model, as they are kept

@@ -187,7 +187,7 @@ void describe_update(const CheckOutcome& outcome, std::vector<std::string>& line
   const StudyTests& tests = plan.tests;
   const CloudSettings rules = cloud_settings(study, plan.made, tests.data.values.rows(), tests.data.values.cols());
   lines.push_back(fmt::format("tests: {} specimens of {} outputs", tests.data.values.rows(), tests.data.values.cols()));
-  for (const std::string& warning : tests.warnings) add_wrapped("  warning: " + warning, lines);
+  for (const TestDoubt& doubt : tests.doubts) add_wrapped("  warning: " + doubt.sentence, lines);
   for (const std::string& note : tests.notes) add_wrapped("  " + note, lines);
   const bool samples_always = find_method(study.update.method).samples_each_iteration;
   lines.push_back(

@@ -5,6 +5,7 @@
 #include "mottle/core/checksum.hpp"
 #include "mottle/core/files.hpp"
 #include "mottle/study/models/model_source.hpp"
+#include "study/tests/test_files.hpp"
 
 namespace mottle::study {
 namespace {
@@ -26,6 +27,20 @@ std::vector<ModelFile> digest_model_files(const Study& study, const std::vector<
     const fs::path path = fs::absolute(file).lexically_normal();
     result.push_back({path.lexically_proximate(folder).generic_string(), hexadecimal(digest_of(read_file(file)))});
   }
+  return result;
+}
+
+std::vector<ModelFile> digest_study_files(const Study& study) {
+  std::vector<ModelFile> result;
+  if (study.file.empty()) return result;
+  const fs::path folder = fs::absolute(study.file).lexically_normal().parent_path();
+  const auto add = [&](const fs::path& file) {
+    const fs::path path = fs::absolute(file).lexically_normal();
+    result.push_back({path.lexically_proximate(folder).generic_string(), hexadecimal(digest_of(read_file(path)))});
+  };
+  if (fs::is_regular_file(study.file)) add(study.file);
+  if (!study.test) return result;
+  for (const fs::path& file : list_test_files(study)) add(file);
   return result;
 }
 

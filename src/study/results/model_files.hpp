@@ -1,4 +1,5 @@
-// Which bytes a model was read from, so that a later job can tell whether its files have changed.
+// Which bytes a study, its model and its tests were read from, so that a later job, or a reader, can tell whether they
+// have changed.
 #pragma once
 
 #include <string>
@@ -10,15 +11,20 @@
 
 namespace mottle::study {
 
-/// A file of a model.
+/// A file that was read.
 struct ModelFile {
-  std::string name;    ///< relative to the folder of the first file that [model] names
+  std::string name;    ///< of a model relative to the folder of the first file that [model] names, else to the study
   std::string digest;  ///< of its bytes, 32 hexadecimal digits
 };
 
 /// @param files  of StudyModel::files
 /// @throws InvalidInput  a file cannot be read
 std::vector<ModelFile> digest_model_files(const Study& study, const std::vector<std::string>& files);
+
+/// The study's file, then those of its tests; empty: a program gave them.
+///
+/// @throws InvalidInput  a file cannot be read
+std::vector<ModelFile> digest_study_files(const Study& study);
 
 Json model_files_json(const std::vector<ModelFile>& files);
 

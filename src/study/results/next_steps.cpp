@@ -5,6 +5,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/shell_word.hpp"
+#include "mottle/core/text.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "mottle/updating/methods/iteration.hpp"
 
@@ -20,6 +21,50 @@ std::string command_of(const SummarySources& s, std::string_view verb, const std
 /// Of a model that a program gives there is no file: the program does the next step.
 bool is_given(const SummarySources& s) {
   return s.study.file.empty();
+}
+
+/// Without a file the reason alone.
+NextStep update_with(const SummarySources& s, const std::string& setting, std::string reason) {
+  if (is_given(s)) return {"", std::move(reason)};
+  return {command_of(s, "update", "--set " + shell_word(setting)), std::move(reason)};
+}
+
+}  // namespace
+
+NextStep checked_tests(const SummarySources& s, const TestDoubt& doubt) {
+  if (doubt.kind == "mode-order" && !is_given(s)) {
+    return update_with(
+        s, "test.pairing=\"frequency\"",
+        "Pairs the columns with the model's modes by frequency; look first whether columns of the tests are "
+        "exchanged.");
+  }
+  return {"", "Check these tests: their values, units and columns, and which modes they are."};
+}
+
+NextStep without_specimens(const SummarySources& s, const std::vector<int>& specimens) {
+  std::vector<int> left_out = s.study.test ? s.study.test->left_out : std::vector<int>{};
+  left_out.insert(left_out.end(), specimens.begin(), specimens.end());
+  return update_with(
+      s, fmt::format("test.leave_out=[{}]", fmt::join(left_out, ", ")),
+      fmt::format(
+          "Look at specimen {} and its test first: a loose joint, another design, a slip of the test? This updates "
+          "without it.",
+          fmt::join(specimens, ", ")));
+}
+
+NextStep other_population(const SummarySources& s, bool has_batches) {
+  if (!has_batches) {
+    return {"",
+            "Set the scale that is named for a parameter, where one is: means, standard deviations and intervals "
+            "assume a normal population on the parameters' scales."};
+  }
+  return update_with(s, "update.method=\"mixture\"",
+                     "Asks whether the specimens come from several batches, and gives each its own population.");
+}
+
+NextStep more_starts(const SummarySources& s) {
+  return update_with(s, fmt::format("update.starts={}", 2 * s.problem.starts),
+                     "Searches longer for other parameters that explain the tests as well.");
 }
 
 NextStep more_iterations(const SummarySources& s) {
@@ -77,6 +122,8 @@ NextStep further_outputs(const SummarySources& s) {
           "outputs than parameters the means can be tested."};
 }
 
+namespace {
+
 NextStep noise_apart(const SummarySources& s) {
   const std::string why =
       ": without it scatter of the parameters and noise of the tests are told apart by the outputs' number alone, and "
@@ -100,31 +147,27 @@ NextStep prediction(const SummarySources& s) {
 
 }  // namespace
 
-std::vector<NextStep> next_steps(const SummarySources& s) {
+std::vector<NextStep> next_steps(const SummarySources& s, const std::vector<VerdictCause>& causes) {
   std::vector<NextStep> steps;
-  if (s.result.status != UpdatingStatus::converged && s.result.status != UpdatingStatus::stalled) {
-    steps.push_back(more_iterations(s));
-  }
-  if (s.verdict.conclusion == Conclusion::inadequate) steps.push_back(diagnosis(s));
+  const auto add = [&steps](NextStep step) {
+    const bool is_new = std::ranges::none_of(
+        steps, [&](const NextStep& made) { return made.command == step.command && made.reason == step.reason; });
+    if (is_new) steps.push_back(std::move(step));
+  };
+  for (const VerdictCause& cause : causes) add(cause.next);
   const bool has_population = s.problem.tests.values.rows() > 1;
-  if (!s.result.is_population && has_population) steps.push_back(population_method(s));
-  if (s.verdict.conclusion != Conclusion::inadequate && s.verdict.lacks_outputs) {
-    steps.push_back(further_outputs(s));
-  }
-  if (steps.empty() && s.verdict.conclusion == Conclusion::undecided) {
-    const bool has_noise = (s.problem.tests.repeatability_std.array() > 0.0).all();
-    steps.push_back(has_noise ? diagnosis(s) : stated_noise(s));
-  }
   const bool is_noise_known = (s.problem.tests.repeatability_std.array() > 0.0).all();
-  if (steps.empty() && has_population && !is_noise_known) {
-    steps.push_back(noise_apart(s));
-  }
-  if (!s.study.predict && (steps.empty() || s.verdict.conclusion == Conclusion::adequate))
-    steps.push_back(prediction(s));
-  if (steps.empty()) {
-    steps.push_back({"", "Compare the predictions with their tests before the model is used for anything else."});
-  }
+  if (s.verdict.conclusion == Conclusion::inadequate) add(diagnosis(s));
+  if (!s.result.is_population && has_population) add(population_method(s));
+  if (steps.empty() && s.verdict.conclusion == Conclusion::undecided) add(diagnosis(s));
+  if (steps.empty() && has_population && !is_noise_known) add(noise_apart(s));
+  if (!s.study.predict && (steps.empty() || s.verdict.conclusion == Conclusion::adequate)) add(prediction(s));
+  if (steps.empty()) add({"", "Compare the predictions with their tests before the model is used for anything else."});
   return steps;
+}
+
+Json step_json(const NextStep& step) {
+  return {{"command", step.command.empty() ? Json(nullptr) : Json(step.command)}, {"reason", step.reason}};
 }
 
 }  // namespace mottle::study

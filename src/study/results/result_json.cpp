@@ -149,7 +149,7 @@ Json to_json_rows(const Eigen::Ref<const Eigen::MatrixXd>& values) {
 }
 
 Json result_head(const Study& study, const std::string& command) {
-  return {{"schema", 1},        {"mottle", version()},  {"title", study.title},
+  return {{"schema", 1},        {"mottle", version()},  {"commit", commit()}, {"title", study.title},
           {"command", command}, {"units", study.units}, {"seed", study.seed}};
 }
 
@@ -308,9 +308,10 @@ Json update_result_json(const Study& study, const StudyTests& tests, const Updat
   json["tracking"] = tracking;
   json["options"] = options_json(study, problem, method);
   json["notes"] = Json::array();
-  for (const auto* list : {&result.warnings, &result.notes, &tests.notes, &tests.warnings}) {
+  for (const auto* list : {&result.warnings, &result.notes, &tests.notes}) {
     for (const std::string& note : *list) json["notes"].push_back(note);
   }
+  for (const TestDoubt& doubt : tests.doubts) json["notes"].push_back(doubt.sentence);
   return json;
 }
 

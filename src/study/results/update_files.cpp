@@ -1,4 +1,7 @@
 // The files of an update.
+#include <fmt/chrono.h>
+
+#include <ctime>
 #include <limits>
 #include <optional>
 
@@ -25,7 +28,7 @@
 #include "study/results/shape_correlation.hpp"
 #include "study/results/solver_use.hpp"
 #include "study/results/surrogate_section.hpp"
-#include "study/results/verdict_summary.hpp"
+#include "study/results/update_text.hpp"
 
 namespace mottle::study {
 namespace {
@@ -96,8 +99,7 @@ void add_first_screen(const UpdateOutcome& outcome, const StructureModel::Follow
   const UpdatePlan& plan = outcome.workings->plan;
   json["shape_correlation"] = shape_correlation_json(
       plan.given ? std::nullopt : correlate_shapes(*plan.made.model, plan.tests, result, followed));
-  add_summary(summarise_verdict({outcome.study, problem, result, outcome.verdict, agreement, outcome.could_hide}),
-              json["verdict"]);
+  add_summary(first_screen(outcome, agreement), json["verdict"]);
 }
 
 void add_factors(const std::vector<std::optional<FactorNominal>>& factors, Json& parameters) {
@@ -123,6 +125,7 @@ Json outcome_json(const UpdateOutcome& outcome, const StructureModel::FollowedMo
   add_first_screen(outcome, followed, json);
   if (outcome.numbering) json["notes"].push_back(*outcome.numbering + '.');
   json["model_files"] = model_files_json(outcome.workings->model_files);
+  json["study_files"] = model_files_json(outcome.workings->study_files);
   json["surrogate"] = surrogate ? surrogate_json(*outcome.study.surrogate, *surrogate) : Json(nullptr);
   if (outcome.prediction) {
     json["prediction"] =
@@ -130,6 +133,10 @@ Json outcome_json(const UpdateOutcome& outcome, const StructureModel::FollowedMo
     for (const std::string& note : outcome.prediction->notes) json["notes"].push_back(note);
   }
   return json;
+}
+
+std::string date_and_time() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
 /// @param written  seconds that the files have taken so far
@@ -141,6 +148,7 @@ std::string result_text(const UpdateOutcome& outcome, const std::optional<Struct
   json["timings_s"] = {{"reading", outcome.reading_seconds},
                        {"updating", outcome.updating_seconds},
                        {"writing", writing},
+                       {"finished", date_and_time()},
                        {"total", outcome.reading_seconds + outcome.updating_seconds + writing}};
   json["ranks"] = outcome.ranks;
   add_solver_use(outcome.solver_use, json);

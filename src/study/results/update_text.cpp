@@ -25,22 +25,26 @@ std::vector<std::string> table_lines(const UpdateOutcome& outcome) {
   const bool has_factors = std::ranges::any_of(factors, [](const auto& factor) { return factor.has_value(); });
   std::vector<std::string> lines;
   lines.push_back(fmt::format("{}: {}", status_text(result.status), result.message));
-  const std::string ends = result.intervals ? fmt::format("  {:>23} {:>23}", "mean, 95 %", "std, 95 %") : "";
+  const auto ends_text = [&](const std::string& mean, const std::string& std) {
+    if (!result.intervals) return std::string();
+    return result.is_population ? fmt::format("  {:>23} {:>23}", mean, std) : fmt::format("  {:>23}", mean);
+  };
   // For a method that does not estimate the scatter, the column must not be mistaken for it.
   lines.push_back(fmt::format("{:<14} {:>13} {:>13} {:>13} {:>13}{}{}", "parameter", "prior mean", "prior std",
                               result.interval ? "lower" : "mean",
-                              result.interval        ? "upper"
-                              : result.is_population ? "std"
-                                                     : "std (mean's)",
-                              ends, has_factors ? fmt::format("  {:>16}", "model's number") : ""));
+                              result.interval                          ? "upper"
+                              : result.is_population                   ? "std"
+                              : outcome.study.update.method == "mares" ? "std (Eq. 12)"
+                                                                       : "std (mean's)",
+                              ends_text("mean, 95 %", "std, 95 %"),
+                              has_factors ? fmt::format("  {:>16}", "model's number") : ""));
   const Eigen::VectorXd prior_mean = problem.space.prior().mean();
   const Eigen::VectorXd prior_std = problem.space.prior().covariance().diagonal().cwiseSqrt();
   const Eigen::VectorXi active = problem.space.active_bounds(result.location());
   for (Eigen::Index i = 0; i < result.mean.size(); ++i) {
-    const std::string intervals = result.intervals
-                                      ? fmt::format("  {:>23} {:>23}", interval_text(result.intervals->mean.row(i)),
-                                                    interval_text(result.intervals->std.row(i)))
-                                      : "";
+    const std::string intervals = result.intervals ? ends_text(interval_text(result.intervals->mean.row(i)),
+                                                               interval_text(result.intervals->std.row(i)))
+                                                   : "";
     const Parameter& parameter = problem.space.parameters()[static_cast<std::size_t>(i)];
     const std::optional<FactorNominal>& factor = factors[static_cast<std::size_t>(i)];
     lines.push_back(fmt::format(
@@ -56,23 +60,30 @@ std::vector<std::string> table_lines(const UpdateOutcome& outcome) {
 }
 
 /// "next: mottle diagnose study.toml", and why.
-void add_next_step(const UpdateOutcome& outcome, std::vector<std::string>& lines) {
-  const Agreement agreement = compare_with_tests(outcome.problem(), outcome.result);
-  const NextStep step =
-      next_steps({outcome.study, outcome.problem(), outcome.result, outcome.verdict, agreement, outcome.could_hide})
-          .front();
+void add_next_step(const UpdateOutcome& outcome, const NextStep& step, std::vector<std::string>& lines) {
   const std::filesystem::path folder = outcome.study.file.parent_path();
   const std::string where = folder.empty() || step.command.empty() ? "" : fmt::format(" (in {})", folder.string());
   lines.push_back(fmt::format("next{}: {}", where, step.command.empty() ? step.reason : step.command));
   if (!step.command.empty()) lines.push_back("  " + step.reason);
 }
 
-}  // namespace
+/// The answer, what it comes from, and what to do next.
+std::vector<std::string> first_lines(const UpdateOutcome& outcome, const VerdictSummary& first) {
+  constexpr std::size_t k_shown = 3;
+  std::vector<std::string> lines{fmt::format("verdict: {}", conclusion_text(outcome.verdict.conclusion))};
+  for (std::size_t i = 0; i < std::min(first.causes.size(), k_shown); ++i)
+    lines.push_back("  " + first.causes[i].sentence);
+  if (first.causes.empty()) lines.push_back("  " + first.headline);
+  add_next_step(outcome, first.next.front(), lines);
+  return lines;
+}
 
-std::vector<std::string> verdict_lines(const UpdateOutcome& outcome) {
+/// The tests in words, and what was not tested or could hide.
+std::vector<std::string> reason_lines(const UpdateOutcome& outcome) {
   const Verdict& verdict = outcome.verdict;
   const CouldHide& hidden = outcome.could_hide;
-  std::vector<std::string> lines{fmt::format("verdict: {}", conclusion_text(verdict.conclusion))};
+  std::vector<std::string> lines;
+  if (!verdict.reasons.empty()) lines.emplace_back("why:");
   for (const std::string& reason : verdict.reasons) lines.push_back("  " + reason);
   if (!verdict.not_tested.empty()) lines.emplace_back("not tested:");
   for (const std::string& sentence : verdict.not_tested) lines.push_back("  " + sentence);
@@ -80,12 +91,28 @@ std::vector<std::string> verdict_lines(const UpdateOutcome& outcome) {
   return lines;
 }
 
+}  // namespace
+
+VerdictSummary first_screen(const UpdateOutcome& outcome, const Agreement& agreement) {
+  return summarise_verdict({outcome.study, outcome.problem(), outcome.result, outcome.verdict, agreement,
+                            outcome.could_hide, outcome.workings->plan.tests.doubts, outcome.numbering});
+}
+
+std::vector<std::string> verdict_lines(const UpdateOutcome& outcome) {
+  std::vector<std::string> lines =
+      first_lines(outcome, first_screen(outcome, compare_with_tests(outcome.problem(), outcome.result)));
+  for (std::string& line : reason_lines(outcome)) lines.push_back(std::move(line));
+  return lines;
+}
+
 RunSummary summarise(const UpdateOutcome& outcome, const std::filesystem::path& folder) {
   const UpdatingProblem& problem = outcome.problem();
   const UpdatingResult& result = outcome.result;
   RunSummary summary{.status = status_text(result.status), .message = result.message};
-  summary.lines = table_lines(outcome);
-  for (std::string& line : verdict_lines(outcome)) summary.lines.push_back(std::move(line));
+  const VerdictSummary first = first_screen(outcome, compare_with_tests(problem, result));
+  summary.lines = first_lines(outcome, first);
+  for (std::string& line : table_lines(outcome)) summary.lines.push_back(std::move(line));
+  for (std::string& line : reason_lines(outcome)) summary.lines.push_back(std::move(line));
   const std::optional<Identifiability> seen = identify(problem, result);
   if (seen && !seen->unseen_directions.empty()) {
     summary.lines.emplace_back("not determined by the tests:");
@@ -96,12 +123,12 @@ RunSummary summarise(const UpdateOutcome& outcome, const std::filesystem::path& 
   if (outcome.prediction) {
     for (const std::string& note : outcome.prediction->notes) summary.lines.push_back(note);
   }
-  add_next_step(outcome, summary.lines);
   const Json json = {{"command", "update"},
                      {"status", summary.status},
                      {"message", summary.message},
                      {"conclusion", conclusion_text(outcome.verdict.conclusion)},
                      {"adequate", adequate_json(outcome.verdict.conclusion)},
+                     {"causes", causes_json(first.causes)},
                      {"parameters", updated_parameters_json(problem, result)},
                      {"model_evaluations", result.model_evaluations},
                      {"folder", folder.string()},

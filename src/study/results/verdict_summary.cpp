@@ -8,6 +8,7 @@
 #include "mottle/core/text.hpp"
 #include "study/results/interval_json.hpp"
 #include "study/results/next_steps.hpp"
+#include "study/results/verdict_causes.hpp"
 
 namespace mottle::study {
 namespace {
@@ -33,6 +34,7 @@ std::string headline_of(const SummarySources& s) {
         return fmt::format("No test refuses the model, and the box covers the bounds of the tests{}.",
                            s.result.interval->excess.minCoeff() < 0.0 ? ", up to their noise" : "");
       }
+      if (!s.result.outliers.empty()) return "No test refuses the model, but not all specimens are of one population.";
       if (has_means && has_scatter) return "The model explains the tests: it was tested, and no test refuses it.";
       return fmt::format("No test refuses the model, but it does not reproduce the {} of every output.",
                          has_scatter ? "mean"
@@ -152,7 +154,7 @@ void say_scatter(const SummarySources& s, std::vector<std::string>& sentences) {
         range_of_ratios(s), name_of(s, *worst), 100.0 * worst->min_std_ratio, 100.0 * worst->max_std_ratio);
   } else {
     text = fmt::format(
-        "Scatter is not reproduced: {}'s standard deviation in the updated model{} is {:.0f} % of the tests' ({:.0f} % "
+        "Scatter differs: {}'s standard deviation in the updated model{} is {:.0f} % of the tests' ({:.0f} % "
         "to "
         "{:.0f} % would be chance).",
         name_of(s, *worst), noise_text(s, *worst), 100.0 * worst->final.std_ratio, 100.0 * worst->min_std_ratio,
@@ -193,8 +195,10 @@ void say_assumptions(const SummarySources& s, std::vector<std::string>& sentence
 VerdictSummary summarise_verdict(const SummarySources& sources) {
   VerdictSummary summary;
   summary.headline = headline_of(sources);
+  summary.causes = find_causes(sources);
   summary.sentences = sources.result.warnings;
-  summary.is_reassuring = summary.sentences.empty() && sources.verdict.conclusion == Conclusion::adequate &&
+  summary.is_reassuring = summary.sentences.empty() && summary.causes.empty() &&
+                          sources.verdict.conclusion == Conclusion::adequate &&
                           sources.agreement.are_means_reproduced() && sources.agreement.is_scatter_reproduced();
   if (sources.result.interval) {
     for (std::string& sentence : interval_sentences(sources.problem, *sources.result.interval)) {
@@ -205,7 +209,7 @@ VerdictSummary summarise_verdict(const SummarySources& sources) {
     say_scatter(sources, summary.sentences);
   }
   say_assumptions(sources, summary.sentences);
-  summary.next = next_steps(sources);
+  summary.next = next_steps(sources, summary.causes);
   return summary;
 }
 
@@ -213,11 +217,9 @@ void add_summary(const VerdictSummary& summary, Json& verdict) {
   verdict["headline"] = summary.headline;
   verdict["is_reassuring"] = summary.is_reassuring;
   verdict["summary"] = summary.sentences;
+  verdict["causes"] = causes_json(summary.causes);
   verdict["next"] = Json::array();
-  for (const NextStep& step : summary.next) {
-    verdict["next"].push_back(
-        {{"command", step.command.empty() ? Json(nullptr) : Json(step.command)}, {"reason", step.reason}});
-  }
+  for (const NextStep& step : summary.next) verdict["next"].push_back(step_json(step));
 }
 
 }  // namespace mottle::study

@@ -1,12 +1,14 @@
 // The first screen of a report in words: one headline, what it rests on, and what to do next.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "mottle/layers.hpp"
 #include "mottle/study/input/study.hpp"
 #include "mottle/study/jobs/could_hide.hpp"
+#include "mottle/study/jobs/study_objects.hpp"
 #include "mottle/updating/verdict/verdict.hpp"
 #include "study/results/agreement.hpp"
 
@@ -17,9 +19,19 @@ struct NextStep {
   std::string reason;
 };
 
+/// One thing that a verdict comes from.
+struct VerdictCause {
+  std::string kind;  ///< docs/howto/report.md lists them
+  std::string sentence;
+  std::vector<int> specimens = {};        ///< numbers of those that it is seen in
+  std::vector<std::string> outputs = {};  ///< the same
+  NextStep next = {};
+};
+
 struct VerdictSummary {
   std::string headline;
-  bool is_reassuring = false;          ///< adequate, and means and scatter are reproduced as well as chance allows
+  bool is_reassuring = false;          ///< adequate, means and scatter are reproduced, and no cause tells of a doubt
+  std::vector<VerdictCause> causes;    ///< the most useful first
   std::vector<std::string> sentences;  ///< means, scatter, assumptions
   std::vector<NextStep> next;          ///< the first is the most useful
 };
@@ -32,12 +44,17 @@ struct SummarySources {
   const Verdict& verdict;
   const Agreement& agreement;
   const CouldHide& could_hide;
+  const std::vector<TestDoubt>& doubts;         ///< of the tests
+  const std::optional<std::string>& numbering;  ///< a doubt whether modes numbered by rank are the same modes
 };
+
+/// `verdict.causes` of result.json.
+Json causes_json(const std::vector<VerdictCause>& causes);
 
 /// It never sounds better than the verdict, and worse where means or scatter are not reproduced.
 VerdictSummary summarise_verdict(const SummarySources& sources);
 
-/// Adds `headline`, `is_reassuring`, `summary` and `next` to `verdict` of result.json.
+/// Adds `headline`, `is_reassuring`, `causes`, `summary` and `next` to `verdict` of result.json.
 void add_summary(const VerdictSummary& summary, Json& verdict);
 
 }  // namespace mottle::study

@@ -84,6 +84,23 @@ std::string mistaken_columns(const std::vector<std::string>& names, const Eigen:
       join(found));
 }
 
+/// Whether the columns are near the eigenvalues (2 pi f)^2 of the model, and nearer to them than to any multiple of its
+/// frequencies.
+std::string eigenvalue_columns(const Eigen::VectorXd& medians, const Eigen::VectorXd& reference) {
+  constexpr double k_near = 2.25;  // of an eigenvalue: 1.5 of a frequency, which parameters may be off by
+  constexpr double k_clearly = 0.5;
+  const auto range = [](const Eigen::ArrayXd& values) { return values.maxCoeff() - values.minCoeff(); };
+  const Eigen::ArrayXd to_frequencies = (medians.array() / reference.array()).log();
+  const Eigen::ArrayXd to_eigenvalues =
+      to_frequencies - (4.0 * std::pow(std::numbers::pi, 2) * reference.array()).log();
+  if (medians.size() < 2 || !to_eigenvalues.allFinite()) return {};
+  if (to_eigenvalues.abs().maxCoeff() > std::log(k_near)) return {};
+  if (to_frequencies.abs().minCoeff() < std::log(k_far_factor)) return {};
+  if (range(to_eigenvalues) > k_clearly * range(to_frequencies)) return {};
+  return "The tested frequencies are near (2 pi f)^2 of the model's, as eigenvalues are: name their columns lambda1, "
+         "lambda2, ... and ask for them by [outputs] eigenvalues, or give sqrt(lambda) / (2 pi).";
+}
+
 /// " (f1 > f2)": the first pair of a specimen's frequencies that does not ascend; empty: there is none.
 std::string first_reversal(const TestedFrequencies& tested, Eigen::Index specimen) {
   const std::vector<int>& modes = tested.modes;
@@ -114,16 +131,22 @@ std::string unordered_specimens(const TestedFrequencies& tested, const TestData&
 
 }  // namespace
 
-std::vector<std::string> doubtful_frequencies(const StructureModel& model, const TestData& tests) {
+std::vector<TestDoubt> doubtful_frequencies(const StructureModel& model, const TestData& tests) {
   const TestedFrequencies tested = tested_frequencies(model, tests);
   if (tested.modes.empty()) return {};
   Eigen::VectorXd medians(tested.count());
   for (Eigen::Index k = 0; k < medians.size(); ++k) medians(k) = median_of(tested.values.col(k));
-  const Eigen::VectorXd ratios = medians.cwiseQuotient(reference_frequencies(model, tested.modes));
-  std::vector<std::string> sentences{mistaken_values(tested, tests, medians), mistaken_columns(tested.names, ratios)};
-  if (model.selection().tracking == ModeTracking::order) sentences.push_back(unordered_specimens(tested, tests));
-  std::erase(sentences, "");
-  return sentences;
+  const Eigen::VectorXd reference = reference_frequencies(model, tested.modes);
+  const Eigen::VectorXd ratios = medians.cwiseQuotient(reference);
+  std::vector<TestDoubt> doubts;
+  if (model.selection().tracking == ModeTracking::order) {
+    doubts.push_back({"mode-order", unordered_specimens(tested, tests)});
+  }
+  doubts.push_back({"mistaken-values", mistaken_values(tested, tests, medians)});
+  doubts.push_back({"mistaken-columns", eigenvalue_columns(medians, reference)});
+  if (doubts.back().sentence.empty()) doubts.push_back({"mistaken-columns", mistaken_columns(tested.names, ratios)});
+  std::erase_if(doubts, [](const TestDoubt& doubt) { return doubt.sentence.empty(); });
+  return doubts;
 }
 
 }  // namespace mottle::study

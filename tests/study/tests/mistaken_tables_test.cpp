@@ -123,6 +123,22 @@ TEST(MistakenTable, IsDoubtedWhereOneColumnIsInAnotherUnit) {
   EXPECT_THAT(folder.check(), ContainsRegex(R"(warning: Columns that are farther from the model .*f2 \([0-9])"));
 }
 
+TEST(MistakenTable, IsDoubtedWhereItsFrequenciesAreEigenvalues) {
+  StudyFolder folder;
+  const auto squared = [](const std::vector<double>& row) {
+    std::vector<double> values;
+    for (const double f : row) values.push_back(std::pow(k_two_pi * f, 2));
+    return values;
+  };
+  folder.write("tests.csv", csv_text("f1,f2,f3", each_row(good_rows(), squared)));
+  EXPECT_THAT(folder.check(), HasSubstr("near (2 pi f)^2 of the model's, as eigenvalues are"));
+  folder.write("tests.csv", csv_text("f1,f2,f3", each_row(good_rows(), [](std::vector<double> row) {
+                                       for (double& f : row) f *= 1.3;
+                                       return row;
+                                     })));
+  EXPECT_THAT(folder.check(), Not(HasSubstr("eigenvalues")));
+}
+
 TEST(MistakenTable, IsDoubtedWithTheUnitOfOneSpecimen) {
   const StudyFolder folder;
   Rows rows = good_rows();

@@ -66,6 +66,7 @@ struct StudyTest {
   std::vector<NoiseRule> model_error = {};            ///< of an error of the model, shared by all specimens
   bool is_model_error_estimated = false;              ///< its level is estimated, there are no rules then
   std::optional<TestPairing> pairing = std::nullopt;  ///< not given: `mac` of tests that come as modes, else `order`
+  std::vector<int> left_out = {};                     ///< numbers of specimens that are not used
   std::shared_ptr<const TestContents> contents = nullptr;  ///< of the files, where the study could not be read without
 };
 

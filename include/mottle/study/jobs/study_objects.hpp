@@ -29,13 +29,19 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters, con
 struct PairedSpecimen;
 
 /// The tests of a study, columns in the order of the model's outputs.
+/// Something in the tests that is probably mistaken, and is used as it is.
+struct TestDoubt {
+  std::string kind;  ///< "mistaken-values", "mistaken-columns", "mode-order", "unlike-shapes", "repeated-specimens"
+  std::string sentence;
+};
+
 struct StudyTests {
   TestData data;
-  std::string file = {};                   ///< that they were read from, the first of several
-  std::vector<std::string> notes;          ///< columns and rows that were left out, and why
-  std::vector<std::string> warnings = {};  ///< values that are probably mistaken, and are used as they are
-  std::string pairing = {};                ///< pairing.csv; empty where the tests came as a table of outputs
-  bool is_by_rank = false;                 ///< modes are numbered by rank of frequency, not by shape
+  std::string file = {};           ///< that they were read from, the first of several
+  std::vector<std::string> notes;  ///< columns and rows that were left out, and why
+  std::vector<TestDoubt> doubts = {};
+  std::string pairing = {};  ///< pairing.csv; empty where the tests came as a table of outputs
+  bool is_by_rank = false;   ///< modes are numbered by rank of frequency, not by shape
   /// Modes as measured, with the model's mode of each; null where the tests came as a table of outputs.
   std::shared_ptr<const std::vector<PairedSpecimen>> specimens = nullptr;
 };
@@ -76,5 +82,8 @@ Digest study_fingerprint(const Study& study, const StudyModel& made,
 
 /// Version of the program, as in CMakeLists.txt.
 std::string version();
+
+/// First digits of the commit that the program was built from; empty: not known.
+std::string commit();
 
 }  // namespace mottle::study
