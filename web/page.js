@@ -84,7 +84,11 @@ function section_element(section, study) {
   const { id, content, is_in_print } = section;
   return element(
     "section",
-    { id, "aria-labelledby": `${id}-title`, class: is_in_print ? "in-print" : null },
+    {
+      id,
+      "aria-labelledby": `${id}-title`,
+      class: (typeof is_in_print === "function" ? is_in_print(study) : is_in_print) ? "in-print" : null,
+    },
     element("h2", { id: `${id}-title` }, title_of(section, study)),
     content(study),
   );

@@ -8,6 +8,7 @@ import { band_series, layout, line_series, panel_frame } from "../src/panels.js"
 import { band, bound, model, muted, test } from "../src/palette.js";
 import { has_curves, is_box, is_population, is_posterior, parameter_of } from "../src/population.js";
 
+const printed_at_most = 6; // on two pages, with everything else
 const id = "densities";
 const panels_a_page = 9;
 const names = {
@@ -171,7 +172,7 @@ const can_be_drawn = (study) =>
 export default {
   id: "distributions",
   title: "Parameters: prior and updated distributions",
-  is_in_print: true,
+  is_in_print: (study) => can_be_drawn(study).length <= printed_at_most,
   has_data: (study) => study.is_update && can_be_drawn(study).length > 0,
   explained: [
     [

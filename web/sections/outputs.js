@@ -68,7 +68,6 @@ function columns_for(rows) {
 export default {
   id: "outputs",
   title: "Outputs",
-  is_in_print: true,
   has_data: (study) => study.is_update && list(study.outputs.names).length > 0,
   explained: [
     ["Error", "Mean of the model's cloud minus mean of the tests, in percent of the latter; near a node of a shape in percent of the shape's largest component."],

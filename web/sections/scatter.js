@@ -78,7 +78,7 @@ export default {
         caption:
           "Every pair of the outputs shown, with 2σ ellipses" +
           (steps.length > 1 ? "; the same axes above and below." : "."),
-        build: (width) => build(study, shown, steps, width),
+        build: (width, { is_summary } = {}) => build(study, shown, is_summary ? steps.slice(-1) : steps, width),
       }),
     ];
   },

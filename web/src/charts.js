@@ -4,7 +4,7 @@
 import { init, use } from "echarts/core";
 import * as parts from "./echarts_parts.js";
 import { font_family, hairline, ink, muted, paper, scale } from "./palette.js";
-import { on_theme_change, printed_width, with_light_theme } from "./theme.js";
+import { on_theme_change, printed_figure_width, printed_width, with_light_theme } from "./theme.js";
 
 use(Object.values(parts));
 
@@ -55,7 +55,7 @@ export function create_copy(id, host, { renderer, width }) {
 /** Draws the chart anew after its description's state changed; `afresh` forgets series and zoom. */
 export function redraw(id, { afresh = false } = {}) {
   const entry = live.get(id);
-  const { option, height } = entry.description.build(entry.width);
+  const { option, height } = entry.description.build(entry.width, { is_summary: entry.is_summary });
   entry.host.style.height = `${height}px`;
   entry.chart.resize({ width: entry.width, height });
   entry.chart.setOption(with_defaults(option), { notMerge: afresh });
@@ -66,8 +66,9 @@ const available_width = (host) => Math.max(240, Math.floor(host.clientWidth || 9
 
 function fit(entry, width) {
   if (width === entry.width) return;
+  const is_other_drawing = width === printed_figure_width || entry.width === printed_figure_width;
   entry.width = width;
-  redraw(entry.description.id);
+  redraw(entry.description.id, { afresh: is_other_drawing });
 }
 
 const observer = new ResizeObserver((changes) => {
@@ -77,7 +78,12 @@ const observer = new ResizeObserver((changes) => {
 });
 
 function fit_all(printing) {
-  for (const entry of live.values()) fit(entry, printing ? printed_width : available_width(entry.host));
+  const is_summary = !document.documentElement.classList.contains("print-all");
+  for (const entry of live.values()) {
+    entry.is_summary = printing && is_summary && entry.host.closest(".in-print") !== null; // its width is like no other
+    const on_paper = entry.is_summary ? printed_figure_width : printed_width;
+    fit(entry, printing ? on_paper : available_width(entry.host));
+  }
 }
 window.addEventListener("beforeprint", () => fit_all(true));
 window.addEventListener("afterprint", () => fit_all(false));

@@ -39,7 +39,7 @@ export function frame({ id, title, caption, controls = [], tools, host, under = 
  * @param id        names the chart in window.mottle.charts and in file names
  * @param title     short, for the head of the figure
  * @param caption   what to see in it, one or two sentences
- * @param build     (width) -> {option, height}
+ * @param build     (width, {is_summary}) -> {option, height}; is_summary: for the printed summary, which has little room
  * @param renderer  "svg" (sharp in print, right for lines) or "canvas" (right for thousands of points)
  * @param controls  elements that change what is shown
  */

@@ -2,6 +2,7 @@
 import { use_theme } from "./palette.js";
 
 export const printed_width = 660; // CSS pixels between the margins of an A4 page
+export const printed_figure_width = 1560; // of a figure of the printed summary, at its zoom of 0.42
 
 const dark = window.matchMedia("screen and (prefers-color-scheme: dark)");
 const listeners = [];
