@@ -29,6 +29,42 @@ void differentiate(const UpdatingProblem& problem, const ScaledParameters& param
   }
 }
 
+/// Specimens whose Jacobians at the start are good where they are now.
+std::vector<bool> keeps_jacobian(const UpdatingProblem& problem, const ScaledParameters& parameters,
+                                 const SpecimenStart& start, const Eigen::MatrixXd& points) {
+  std::vector<bool> keeps(static_cast<std::size_t>(points.rows()), false);
+  const bool is_by_differences = problem.derivatives == nullptr || !problem.derivatives->has_cheap_jacobian();
+  if (!is_by_differences || start.differentiated.size() == 0) return keeps;
+  for (Eigen::Index s = 0; s < points.rows(); ++s) {
+    const Eigen::VectorXd moved = (points.row(s) - start.differentiated.row(s)).transpose();
+    keeps[static_cast<std::size_t>(s)] =
+        moved.cwiseQuotient(parameters.standard_deviation()).cwiseAbs().maxCoeff() <= problem.model.difference_step();
+  }
+  return keeps;
+}
+
+/// The Jacobians where the specimens are now: those of the start where they are good, else new ones.
+void differentiate_again(const UpdatingProblem& problem, const ScaledParameters& parameters, const SpecimenStart& start,
+                         const RunContext& context, std::int64_t& evaluations, SpecimenFits& fits) {
+  const std::vector<bool> keeps = keeps_jacobian(problem, parameters, start, fits.points);
+  fits.differentiated = fits.points;
+  std::vector<Eigen::Index> anew;
+  for (std::size_t s = 0; s < keeps.size(); ++s) {
+    const auto row = static_cast<Eigen::Index>(s);
+    if (!keeps[s]) {
+      anew.push_back(row);
+      continue;
+    }
+    fits.jacobians[s] = start.jacobians[s];
+    fits.differentiated.row(row) = start.differentiated.row(row);
+  }
+  if (anew.empty()) return;
+  SpecimenFits moved{.points = fits.points(anew, Eigen::all), .outputs = fits.outputs(anew, Eigen::all)};
+  differentiate(problem, parameters, context, evaluations, moved);
+  for (std::size_t k = 0; k < anew.size(); ++k)
+    fits.jacobians[static_cast<std::size_t>(anew[k])] = std::move(moved.jacobians[k]);
+}
+
 /// What is minimised for one specimen, and the Gauss-Newton step towards it.
 class HeldSpecimen {
  public:
@@ -177,6 +213,7 @@ void SpecimenFits::take(Eigen::Index specimen, const SpecimenFits& other, Eigen:
   jacobians[to] = other.jacobians[index];
   converged[to] = other.converged[index];
   costs(specimen) = other.costs(from);
+  differentiated.row(specimen) = other.differentiated.row(from);
 }
 
 SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& values,
@@ -202,7 +239,7 @@ SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<cons
     context.throw_if_stopped();
     try_once(searches, moving);
   }
-  differentiate(problem, parameters, context, evaluations, fits);
+  differentiate_again(problem, parameters, start, context, evaluations, fits);
   fits.costs = held.costs();
   return fits;
 }

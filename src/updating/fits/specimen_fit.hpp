@@ -22,9 +22,10 @@ struct HoldingPopulation {
 struct SpecimenFits {
   Eigen::MatrixXd points;                  ///< t [specimen x parameter]
   Eigen::MatrixXd outputs;                 ///< f there [specimen x output]
-  std::vector<Eigen::MatrixXd> jacobians;  ///< df/dt there, one a specimen [output x parameter]
+  std::vector<Eigen::MatrixXd> jacobians;  ///< df/dt at `differentiated`, one a specimen [output x parameter]
   std::vector<bool> converged;
-  Eigen::VectorXd costs = {};  ///< what was minimised, noise below a floor counted as that floor [specimen]
+  Eigen::VectorXd costs = {};           ///< what was minimised, noise below a floor counted as that floor [specimen]
+  Eigen::MatrixXd differentiated = {};  ///< where the Jacobians were taken [specimen x parameter]
 
   /// Puts a specimen of other fits in the place of one of these.
   void take(Eigen::Index specimen, const SpecimenFits& other, Eigen::Index from);
@@ -36,6 +37,10 @@ struct SpecimenStart {
   std::vector<Eigen::MatrixXd> jacobians = {};  ///< about right; empty: from differences there
   double tolerance = 1e-8;                      ///< a step below this, in prior standard deviations, is the last
   Eigen::MatrixXd outputs = {};                 ///< f there; empty: it is evaluated [specimen x output]
+  /// Where `jacobians` were taken by scaled_jacobians() [specimen x parameter]. Those that come from differences stay
+  /// where the fit ends within one step of the differences: taken anew they change by the error of the outputs over
+  /// that step, and whoever alternates fits with an estimate goes round in a circle. Empty: all are taken anew.
+  Eigen::MatrixXd differentiated = {};
 };
 
 /// Most probable parameters of every specimen,

@@ -140,6 +140,13 @@ Eigen::MatrixXd without_shift(const Eigen::Ref<const Eigen::MatrixXd>& values, c
   return values.rowwise() - shift.transpose();
 }
 
+SpecimenStart start_from(const SpecimenFits& fits, double tolerance) {
+  return {.points = fits.points,
+          .jacobians = fits.jacobians,
+          .tolerance = tolerance,
+          .differentiated = fits.differentiated};
+}
+
 /// The model's error of a linear fit.
 ModelError model_error_of(const PopulationFit& fit, const NoiseModel& given) {
   const SharedErrorInformation information = shared_error_information(fit.units, fit.effects, fit.settings);
@@ -240,7 +247,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
     }
     fit.specimens = fit_specimens(following.now(), without_shift(values, error), {fit.mean, fit.covariance, fit.noise},
                                   from, context, fit.evaluations);
-    from = {fit.specimens.points, fit.specimens.jacobians, settings.specimen_tolerance};
+    from = start_from(fit.specimens, settings.specimen_tolerance);
     fit.sensitivity = mean_jacobian(fit.specimens.jacobians);
     Eigen::MatrixXd absorbed;
     if (has_error) {
@@ -273,7 +280,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
       fit.converged =
           restart_specimens(following.now(), without_shift(values, error), {fit.mean, fit.covariance, fit.noise},
                             settings.specimen_tolerance, context, fit.evaluations, again) == 0;
-      if (!fit.converged) from = {again.points, again.jacobians, settings.specimen_tolerance};
+      if (!fit.converged) from = start_from(again, settings.specimen_tolerance);
     }
     if (!fit.converged) following.follow();
     if (!each(fit)) break;
