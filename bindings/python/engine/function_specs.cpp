@@ -1,5 +1,7 @@
 #include "function_specs.hpp"
 
+#include "mottle/stats/distributions/default_transform.hpp"
+
 namespace mottle::python {
 namespace {
 
@@ -13,7 +15,7 @@ const DistributionKindInfo& kind_of(const ParameterSpec& spec) {
       fmt::format("parameter '{}': {}", spec.name, unknown_name_message("distribution", spec.kind, names)));
 }
 
-Distribution distribution_of(const ParameterSpec& spec) {
+DistributionSpec prior_of(const ParameterSpec& spec) {
   DistributionSpec distribution{.kind = kind_of(spec).kind};
   for (const std::string& value : kind_of(spec).required) {
     if (value == "mean") distribution.mean = spec.mean;
@@ -21,8 +23,12 @@ Distribution distribution_of(const ParameterSpec& spec) {
     if (value == "lower") distribution.lower = spec.lower;
     if (value == "upper") distribution.upper = spec.upper;
   }
+  return distribution;
+}
+
+Distribution distribution_of(const ParameterSpec& spec) {
   try {
-    return Distribution(distribution);
+    return Distribution(prior_of(spec));
   } catch (const InvalidInput& error) {
     throw InvalidInput(fmt::format("parameter '{}': {}", spec.name, error.what()));
   }
@@ -30,6 +36,7 @@ Distribution distribution_of(const ParameterSpec& spec) {
 
 ParameterTransform transform_of(const ParameterSpec& spec) {
   using Kind = ParameterTransform::Kind;
+  if (spec.scale.empty()) return default_transform(prior_of(spec));
   for (const Kind kind : {Kind::identity, Kind::log, Kind::logit}) {
     if (spec.scale == scale_name(kind)) return {kind, spec.lower_bound, spec.upper_bound};
   }
@@ -48,8 +55,9 @@ ParameterSpace space_of(const std::vector<ParameterSpec>& specs, const Eigen::Ma
                           .lower_bound = spec.lower_bound,
                           .upper_bound = spec.upper_bound,
                           .limit = {.lower = spec.lower_limit},
-                          .transform = transform_of(spec)});
+                          .transform = {}});
     marginals.push_back(distribution_of(spec));
+    parameters.back().transform = transform_of(spec);  // of a prior that is valid
   }
   if (correlation.size() == 0) return {std::move(parameters), JointDistribution(std::move(marginals))};
   return {std::move(parameters), JointDistribution(std::move(marginals), correlation)};

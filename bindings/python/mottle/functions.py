@@ -29,7 +29,8 @@ class Parameter:
         distribution: "normal", "lognormal", "uniform", "truncated-normal", "beta" or "gamma".
         lower, upper: of the distribution, for the families that have ends.
         bounds: that the updated mean stays within.
-        scale: on which the population is normal: "identity", "log" or "logit" (between the bounds).
+        scale: on which the population is normal: "identity", "log" or "logit" (between the bounds); None: that of the
+            distribution, "log" for "lognormal", "logit" for "beta", else "identity".
         positive: values of zero or less are impossible and are not drawn.
         unit: for readers.
     """
@@ -41,7 +42,7 @@ class Parameter:
     lower: float | None = None
     upper: float | None = None
     bounds: tuple[float, float] = (-math.inf, math.inf)
-    scale: str = "identity"
+    scale: str | None = None
     positive: bool = False
     unit: str = "-"
 
@@ -67,7 +68,7 @@ class Parameter:
             lower_bound=_checks.number(self.bounds[0], f"{where}: bounds"),
             upper_bound=_checks.number(self.bounds[1], f"{where}: bounds"),
             lower_limit=0.0 if self.positive else -math.inf,
-            scale=_checks.text(self.scale, f"{where}: scale"),
+            scale="" if self.scale is None else _checks.text(self.scale, f"{where}: scale"),
             unit=_checks.text(self.unit, f"{where}: unit"),
         )
 

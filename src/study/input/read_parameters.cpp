@@ -4,6 +4,7 @@
 #include <set>
 
 #include "mottle/core/text.hpp"
+#include "mottle/stats/distributions/default_transform.hpp"
 #include "mottle/stats/distributions/joint_distribution.hpp"
 #include "mottle/study/models/model_source.hpp"
 #include "study/input/study_sections.hpp"
@@ -34,9 +35,14 @@ DistributionSpec read_distribution(TomlReader reader) {
   return spec;
 }
 
-/// The transform under which the population is normal (key `scale`); bounds and distribution are already read.
+/// The transform under which the population is normal: key `scale`, else the prior's; bounds and distribution are
+/// already read.
 ParameterTransform read_transform(TomlReader& reader, const StudyParameter& parameter) {
   using Kind = ParameterTransform::Kind;
+  if (!reader.has("scale")) {
+    reader.raw("scale");  // is known
+    return default_transform(parameter.distribution);
+  }
   const std::vector<Kind> kinds{Kind::identity, Kind::log, Kind::logit};
   std::vector<std::string> names(kinds.size());
   std::ranges::transform(kinds, names.begin(), scale_name);

@@ -119,6 +119,13 @@ toml::table distribution_table(const StudyParameter& parameter, double mean, dou
   return table;
 }
 
+/// The scale stays as it was, also where it went with the distribution that is no longer there.
+void keep_scale(const StudyParameter& parameter, toml::table& entry) {
+  if (parameter.transform.kind != ParameterTransform::Kind::logit || entry.contains("scale")) return;
+  entry.insert("scale", scale_name(parameter.transform.kind));
+  entry.insert("bounds", toml::array{parameter.transform.lower, parameter.transform.upper});  // unless there are
+}
+
 toml::table correlation_table(const Eigen::MatrixXd& correlation) {
   toml::array rows;
   for (Eigen::Index i = 0; i < correlation.rows(); ++i) {
@@ -166,8 +173,9 @@ std::string next_study(const Study& study, const Found& found, const fs::path& f
       deviation = k_narrow * std::max(std::abs(found.mean(index)), 1e-300);
       narrow.push_back(parameter.name);
     }
-    list->get(i)->as_table()->insert_or_assign("distribution",
-                                               distribution_table(parameter, found.mean(index), deviation));
+    toml::table& entry = *list->get(i)->as_table();
+    entry.insert_or_assign("distribution", distribution_table(parameter, found.mean(index), deviation));
+    keep_scale(parameter, entry);
   }
   root.erase("correlation");
   // Rounding of the file's numbers can leave a matrix of correlations of 1 indefinite: a hair is taken off.

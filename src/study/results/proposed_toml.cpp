@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mottle/stats/distributions/default_transform.hpp"
 #include "study/input/toml_writer.hpp"
 #include "study/results/init_text.hpp"
 
@@ -43,7 +44,9 @@ std::string parameter_text(StudyParameter parameter, bool is_random) {
     text += fmt::format("bounds = [{}, {}]\n", number_text(parameter.lower_bound), number_text(parameter.upper_bound));
   }
   const ParameterTransform::Kind scale = parameter.transform.kind;
-  if (scale != ParameterTransform::Kind::identity) text += fmt::format("scale = \"{}\"\n", scale_name(scale));
+  // A logit between a prior's ends cannot be written as a scale: it would be between the bounds.
+  if (scale == ParameterTransform::Kind::log || scale != default_transform(parameter.distribution).kind)
+    text += fmt::format("scale = \"{}\"\n", scale_name(scale));
   return text;
 }
 

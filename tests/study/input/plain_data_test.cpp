@@ -44,6 +44,23 @@ TEST(PlainData, HoldsParametersWithTheirBoundsAndScales) {
   EXPECT_EQ(second.transform.kind, ParameterTransform::Kind::log);
 }
 
+TEST(PlainData, TakesTheScaleThatGoesWithThePriorWhereNoneIsStated) {
+  using Kind = ParameterTransform::Kind;
+  const auto transform = [](const std::string& distribution, const std::string& more = "") {
+    return read(three_masses({{"{ kind = \"normal\", mean = 2.0, std = 0.3 }\nbounds = [0.5, 3.0]",
+                               "{ " + distribution + " }\nbounds = [0.5, 3.0]" + more}}))
+        .parameters.list[0]
+        .transform;
+  };
+  EXPECT_EQ(transform("kind = \"lognormal\", mean = 2.0, std = 0.3").kind, Kind::log);
+  EXPECT_EQ(transform("kind = \"lognormal\", mean = 2.0, std = 0.3", "\nscale = \"identity\"").kind, Kind::identity);
+  const ParameterTransform beta = transform("kind = \"beta\", mean = 2.0, std = 0.3, lower = 1.0, upper = 2.5");
+  EXPECT_EQ(beta.kind, Kind::logit);
+  EXPECT_EQ(beta.lower, 1.0);  // the prior's ends, not the parameter's bounds
+  EXPECT_EQ(beta.upper, 2.5);
+  EXPECT_EQ(transform("kind = \"uniform\", lower = 1.0, upper = 2.5").kind, Kind::identity);
+}
+
 TEST(PlainData, HoldsTheCorrelationOfParameters) {
   const auto correlation = [](const std::string& section) {
     return read(three_masses({{"[outputs]", section + "\n[outputs]"}})).parameters.correlation;
