@@ -4,6 +4,9 @@
 //   mottle_mixture_replications splits N REPS NOISE      one batch: how often it is split
 //   mottle_mixture_replications power N REPS NOISE D     two batches of equal size D standard deviations apart
 //   mottle_mixture_replications intervals N REPS NOISE D the same: bias and coverage with the number of batches given
+//   mottle_mixture_replications skewed N REPS NOISE S    one batch, its first parameter log-normal with ln-std S
+//   mottle_mixture_replications wide N REPS NOISE D      as power, a batch's standard deviation a quarter of its mean:
+//                                                        a logarithm changes the form of the population there
 //
 // NOISE: none (two outputs of two parameters), known, or estimated (four outputs).
 #include <fmt/format.h>
@@ -28,7 +31,9 @@ constexpr double k_scatter = 0.1;
 struct Setting {
   int specimens = 10;
   std::string noise;
-  double distance = 0.0;  // in standard deviations of a batch with its noise
+  double distance = 0.0;     // in standard deviations of a batch with its noise
+  double log_scatter = 0.0;  // of the first parameter, its median 1; 0: it is normal about 3
+  bool is_wide = false;      // the lower batch's first parameter is normal, 1 +- 0.25
 
   Eigen::Index outputs() const { return noise == "none" ? 2 : 4; }
   Eigen::MatrixXd slope() const {
@@ -59,7 +64,14 @@ struct Replicate {
           static_cast<std::uint32_t>(s));
       for (double& value : x.row(s)) value = 3.0 + k_scatter * standard_normal_quantile(stream.uniform());
       for (double& value : e.row(s)) value = standard_normal_quantile(stream.uniform());
-      x(s, 0) += (s % 2 == 0 ? 0.5 : -0.5) * setting.distance * setting.unit();
+      const double score = (x(s, 0) - 3.0) / k_scatter;
+      if (setting.log_scatter > 0.0) {
+        x(s, 0) = std::exp(setting.log_scatter * score);
+      } else if (setting.is_wide) {
+        x(s, 0) = 1.0 + 0.25 * (score + (s % 2 == 0 ? setting.distance : 0.0));
+      } else {
+        x(s, 0) += (s % 2 == 0 ? 0.5 : -0.5) * setting.distance * setting.unit();
+      }
     }
     tests = model.evaluate(x, {}).outputs;
     if (setting.noise != "none") tests += k_noise * e;
@@ -81,17 +93,20 @@ int count_batches(const Setting& setting, int replications) {
   double stated = 0.0;
   int with_power = 0;
   int outlying = 0;
+  int refused = 0;
   for (int r = 1; r <= replications; ++r) {
     const UpdatingResult result = Replicate(setting, r).update({.bootstrap_samples = 99}, r);
     several += result.mixture->batches.size() > 1 ? 1 : 0;
+    refused += !result.mixture->tests.empty() && result.mixture->tests.front().is_refused ? 1 : 0;
     outlying += (result.mixture->probabilities.rightCols(1).array() > k_outlying).any() ? 1 : 0;
     if (!result.mixture->detectable) continue;
     stated += *result.mixture->detectable;
     ++with_power;
   }
   fmt::print(
-      "{{\"replications\": {}, \"several\": {}, \"with_outlier\": {}, \"stated_distance\": {}, \"with_power\": {}}}\n",
-      replications, several, outlying, with_power > 0 ? stated / with_power : -1.0, with_power);
+      "{{\"replications\": {}, \"several\": {}, \"one_refused\": {}, \"with_outlier\": {}, \"stated_distance\": {}, "
+      "\"with_power\": {}}}\n",
+      replications, several, refused, outlying, with_power > 0 ? stated / with_power : -1.0, with_power);
   return 0;
 }
 
@@ -176,7 +191,9 @@ int main(int count, char** words) {
   const std::string what = words[1];
   if (what == "reference") return print_reference(std::atoi(words[2]));
   if (count < 5) return 2;
-  const Setting setting{std::atoi(words[2]), words[4], count > 5 ? std::atof(words[5]) : 0.0};
+  const double number = count > 5 ? std::atof(words[5]) : 0.0;
+  Setting setting{.specimens = std::atoi(words[2]), .noise = words[4], .is_wide = what == "wide"};
+  (what == "skewed" ? setting.log_scatter : setting.distance) = number;
   return what == "intervals" ? measure_intervals(setting, std::atoi(words[3]))
                              : count_batches(setting, std::atoi(words[3]));
 }

@@ -91,6 +91,19 @@ def power(program, replications, stated, out):
     return good
 
 
+def scales(program, replications, out):
+    good = True
+    out += ["\n## One skewed population and two wide batches\n", "Goals: of the skewed ones at most 10 % split; of the wide ones all but 5 % of those that the tests refuse.\n",
+            "| case | specimens | one batch refused, % | several reported, % | reached |", "|---|---|---|---|---|"]
+    for case, number in (("skewed", 0.6), ("wide", 4)):
+        r = call(program, case, 40, replications, "none", number)
+        refused, several = r["one_refused"] / replications, r["several"] / replications
+        reached = several <= 0.1 if case == "skewed" else several >= 0.95 * refused
+        good = good and reached
+        out.append(f"| {case} {number} | 40 | {100 * refused:.1f} | {100 * several:.1f} | {'yes' if reached else 'no'} |")
+    return good
+
+
 def intervals(program, replications, out):
     good = True
     slack = 2 * standard_error(COVERED, replications)
@@ -145,7 +158,7 @@ def main():
     out = [f"# Batches of specimens\n\n{options.replications} replications, seeds 1 on, {datetime.date.today()}; made by run.py."]
     good = [reference(options.program, out)]
     reached, stated = splits(options.program, options.replications, out)
-    good += [reached, power(options.program, options.replications, stated, out), intervals(options.program, options.replications, out),
+    good += [reached, power(options.program, options.replications, stated, out), scales(options.program, options.replications, out), intervals(options.program, options.replications, out),
              frame(options.mottle, out)]
     (HERE / "RESULTS.md").write_text("\n".join(out) + "\n", encoding="utf-8")
     print("\n".join(out))

@@ -8,6 +8,7 @@
 #include "mottle/updating/methods/iteration.hpp"
 #include "updating/fits/regional_problem.hpp"
 #include "updating/methods/mixture_report.hpp"
+#include "updating/methods/mixture_scales.hpp"
 #include "updating/population/linear_record.hpp"
 #include "updating/population/mixture_fit.hpp"
 #include "updating/population/model_error.hpp"
@@ -140,6 +141,18 @@ MaximumLikelihoodOptions one_population(const MixtureOptions& options) {
   return {.likelihood = options.likelihood, .noise = options.noise};
 }
 
+/// One population on other scales, in the place of the batches that were found.
+std::optional<ExplainingScales> scales_instead_of_batches(const UpdatingProblem& problem, const MixtureOptions& options,
+                                                          const SolvedPopulation& solved, const MixtureNumber& number,
+                                                          const RunContext& context, std::int64_t& evaluations) {
+  const auto choose_there = [&](const UpdatingProblem& other, const PopulationFit& one) {
+    MixturePopulationFit fit = begin_mixture(other, one);
+    MixtureSearch search = search_of(other, one, options, fit.frame);
+    return choose(other, options, search, context, fit);
+  };
+  return explaining_scales(problem, solved, number, context, choose_there, evaluations);
+}
+
 /// Batches on the first estimate of one population, and what follows from them.
 void find_batches(const UpdatingProblem& problem, const TestMoments& tests, const MixtureOptions& options,
                   const SolvedPopulation& solved, const RunContext& context, UpdatingResult& result) {
@@ -147,8 +160,14 @@ void find_batches(const UpdatingProblem& problem, const TestMoments& tests, cons
   const RegionalProblem near(problem, one.region);
   MixturePopulationFit fit = begin_mixture(problem, one);
   MixtureSearch search = search_of(problem, one, options, fit.frame);
-  const MixtureNumber number = choose(problem, options, search, context, fit);
-  if (fit.mixture.components.size() > 1 || has_outlier(fit.mixture)) {
+  MixtureNumber number = choose(problem, options, search, context, fit);
+  const std::optional<ExplainingScales> scales =
+      scales_instead_of_batches(problem, options, solved, number, context, result.model_evaluations);
+  if (scales) {
+    number.not_believed = explaining_scales_note(*scales, number);
+    fit.mixture = {};
+  }
+  if (!scales && (fit.mixture.components.size() > 1 || has_outlier(fit.mixture))) {
     iterate_mixture(near.problem(), one, search, context, fit, [&](const MixturePopulationFit& now) {
       append_state(result, linear_record(problem, as_one_population(problem, one, now), tests));
       if (!context.stop_requested() && !now.converged && now.iterations < problem.iterations)

@@ -44,6 +44,10 @@ void say_number(const UpdatingProblem& problem, const MixtureFindings& findings,
     result.notes.emplace_back("The specimens do not differ: there are no batches to look for.");
     return;
   }
+  if (!number.not_believed.empty()) {
+    result.notes.push_back(number.not_believed);
+    return;
+  }
   if (number.is_given) {
     result.notes.push_back(
         fmt::format("The number of batches, {}, was given: whether the specimens show as many was not tested.",
@@ -274,9 +278,10 @@ void describe_one_batch(const UpdatingProblem& problem, const MixtureSearch& sea
     findings.batches.front().std_interval = result.intervals->std;
   }
   count_specimens(findings);
-  if (!fit.mixture.components.empty()) add_power(search, fit, context, findings);
+  const bool is_power_asked = number.not_believed.empty();
+  if (is_power_asked && !fit.mixture.components.empty()) add_power(search, fit, context, findings);
   say_number(problem, findings, number, result);
-  say_power(problem, findings, result);
+  if (is_power_asked) say_power(problem, findings, result);
   result.mixture = std::make_shared<const MixtureFindings>(std::move(findings));
 }
 

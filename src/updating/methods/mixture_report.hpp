@@ -1,6 +1,7 @@
 // What a fitted mixture says: batches with intervals, assignments, outliers, notes in words.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "mottle/layers.hpp"
@@ -16,6 +17,7 @@ struct MixtureNumber {
   bool is_alike = false;  ///< no effect differs from specimen to specimen
   int most = 1;           ///< batches that so many specimens could show
   std::vector<ComponentsTest> tests = {};
+  std::string not_believed = {};  ///< why one batch is reported although tests refuse it; empty: it is not so
 };
 
 /// Puts the estimate of several batches, or of one with outliers, its last cloud, and what follows from it into the

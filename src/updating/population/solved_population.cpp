@@ -16,23 +16,6 @@ namespace {
 constexpr std::size_t k_most_fits = 8;
 constexpr int k_restarts = 3;
 
-/// Of the linear problem at the fit: unlike the restricted one comparable between linear problems.
-double plain_log_likelihood(const PopulationFit& fit) {
-  std::vector<RandomEffectsUnit> units = fit.units;
-  for (RandomEffectsUnit& unit : units) {
-    unit.noise = noise_of(unit, fit.effects.noise_factors);
-    unit.factor.clear();
-  }
-  RandomEffectsSettings settings = fit.settings;
-  settings.is_restricted = false;
-  settings.factors = 0;
-  settings.iterations = 0;
-  if (fit.model_error) settings.shared_variance = fit.model_error->std.cwiseAbs2();
-  settings.shared_level.clear();
-  settings.levels = 0;
-  return fit_random_effects(units, fit.effects.covariance, settings).log_likelihood;
-}
-
 double prior_log_density(const PriorOnScales& prior, const Eigen::VectorXd& point) {
   const Eigen::VectorXd away = point - prior.mean;
   return -0.5 * away.dot(solve_semidefinite(prior.covariance, away));
@@ -66,6 +49,22 @@ PopulationSolution fit_about(const UpdatingProblem& problem, const PopulationFit
 }
 
 }  // namespace
+
+double plain_log_likelihood(const PopulationFit& fit) {
+  std::vector<RandomEffectsUnit> units = fit.units;
+  for (RandomEffectsUnit& unit : units) {
+    unit.noise = noise_of(unit, fit.effects.noise_factors);
+    unit.factor.clear();
+  }
+  RandomEffectsSettings settings = fit.settings;
+  settings.is_restricted = false;
+  settings.factors = 0;
+  settings.iterations = 0;
+  if (fit.model_error) settings.shared_variance = fit.model_error->std.cwiseAbs2();
+  settings.shared_level.clear();
+  settings.levels = 0;
+  return fit_random_effects(units, fit.effects.covariance, settings).log_likelihood;
+}
 
 std::vector<PopulationSolution> fit_solutions(const UpdatingProblem& problem, const PopulationFitSettings& settings,
                                               const MeanSolutions& means, const RunContext& context,

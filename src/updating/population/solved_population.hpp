@@ -27,6 +27,9 @@ struct SolvedPopulation {
   const PopulationFit& best() const { return solutions.front().fit; }
 };
 
+/// Of the linear problem at the fit; unlike the restricted likelihood comparable between linear problems.
+double plain_log_likelihood(const PopulationFit& fit);
+
 /// The population fitted from each of the mean's solutions, eight at most, greatest weight first. A fit in which the
 /// model fails is left out.
 /// @throws SystemFailure  all do

@@ -37,16 +37,19 @@ Estimates estimates_of(const VariableNormality& variable, double mean, const std
   return estimates;
 }
 
+constexpr double k_clearly = 10.0;  // times as probable as on the present scale
+
 /// The scale other than the parameter's own on which its estimates look normal best; nothing where none is good enough.
-std::optional<ParameterTransform> better_scale(const Parameter& parameter, const Estimates& on_scale, double p_value) {
-  constexpr double k_clearly = 10.0;  // times as probable as on the present scale
+/// @param factor  by which its p-value must exceed that on the present scale
+std::optional<ParameterTransform> better_scale(const Parameter& parameter, const Estimates& on_scale, double p_value,
+                                               double factor = k_clearly) {
   std::vector<ParameterTransform> others{{.kind = ParameterTransform::Kind::identity},
                                          {.kind = ParameterTransform::Kind::log}};
   if (std::isfinite(parameter.lower_bound) && std::isfinite(parameter.upper_bound)) {
     others.push_back({ParameterTransform::Kind::logit, parameter.lower_bound, parameter.upper_bound});
   }
   std::optional<ParameterTransform> best;
-  double best_p = std::max(k_passes, k_clearly * p_value);
+  double best_p = std::max(k_passes, factor * p_value);
   for (const ParameterTransform& other : others) {
     if (other.kind == parameter.transform.kind) continue;
     Estimates turned = on_scale;
@@ -112,6 +115,20 @@ std::string suggestion_for(const Parameter& parameter, const VariableNormality& 
 }
 
 }  // namespace
+
+std::vector<std::optional<ParameterTransform>> more_normal_scales(const UpdatingProblem& problem,
+                                                                  const PopulationFit& fit) {
+  constexpr double k_twice = 2.0;  // where scales hardly differ over the specimens their p-values do not
+  std::vector<std::optional<ParameterTransform>> scales(problem.space.parameters().size());
+  const NormalityTest test = test_normality(fit.units, fit.effects, fit.map);
+  for (std::size_t i = 0; i < test.variables.size(); ++i) {
+    const VariableNormality& variable = test.variables[i];
+    if (!variable.is_tested) continue;
+    const Estimates estimates = estimates_of(variable, fit.mean(static_cast<Eigen::Index>(i)), {});
+    scales[i] = better_scale(problem.space.parameters()[i], estimates, variable.probabilities.p_value, k_twice);
+  }
+  return scales;
+}
 
 void report_normality(const UpdatingProblem& problem, const PopulationFit& fit, UpdatingResult& result) {
   constexpr double k_mostly_noise = 0.5;

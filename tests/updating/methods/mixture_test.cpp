@@ -12,6 +12,7 @@
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "support/linear_model.hpp"
 #include "support/linear_problem.hpp"
+#include "support/methods.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -98,6 +99,39 @@ TEST(Mixture, UsesSpecimensWithMissingEntries) {
   for (const Eigen::Index s : {2, 6, 16, 23}) batches.values(s, s % 4) = std::numeric_limits<double>::quiet_NaN();
   const UpdatingResult result = batches.update({.components = 2});
   for (Eigen::Index s = 0; s < 30; ++s) EXPECT_TRUE(is_right(result, s)) << s;
+}
+
+/// Specimens of LinearProblem's model: `a` as given, b normal about 5.
+UpdatingResult update_with(const std::vector<double>& a) {
+  const TwoBatches batches;
+  Eigen::MatrixXd x(static_cast<Eigen::Index>(a.size()), 2);
+  for (Eigen::Index s = 0; s < x.rows(); ++s) {
+    RandomStream stream({.seed = 31}, static_cast<std::uint32_t>(s));
+    x.row(s) << a[static_cast<std::size_t>(s)], 5.0 + 0.1 * standard_normal_quantile(stream.uniform());
+  }
+  UpdatingProblem problem = batches.problem();
+  problem.tests.values = batches.linear.model.evaluate(x, {}).outputs;
+  return MixtureUpdater({.bootstrap_samples = 99}).update(problem, {});
+}
+
+TEST(Mixture, TakesOneSkewedPopulationForOneAndNamesTheScaleThatExplainsIt) {
+  std::vector<double> skewed;  // quantiles of a log-normal distribution: ln-std 0.8
+  for (int s = 0; s < 40; ++s) skewed.push_back(std::exp(0.8 * standard_normal_quantile((s + 0.5) / 40.0)));
+  const UpdatingResult result = update_with(skewed);
+  ASSERT_TRUE(result.mixture);
+  EXPECT_TRUE(result.mixture->tests.front().is_refused);  // by itself it would be split
+  EXPECT_EQ(result.mixture->batches.size(), 1U);
+  EXPECT_TRUE(test::says(result, "with scale = \"log\" of a they are normal"));
+}
+
+TEST(Mixture, KeepsTwoBatchesThatNoScaleMakesOne) {
+  std::vector<double> batches;  // at 1 and 3, within each a tenth
+  for (int s = 0; s < 40; ++s) {
+    const double score = standard_normal_quantile((s / 2 + 0.5) / 20.0);
+    batches.push_back((s % 2 == 0 ? 1.0 : 3.0) * std::exp(0.1 * score));
+  }
+  const UpdatingResult result = update_with(batches);
+  EXPECT_EQ(result.mixture->batches.size(), 2U);
 }
 
 TEST(Mixture, SaysThatOneBatchIsOneAndWhatItCouldNotSee) {
