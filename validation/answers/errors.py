@@ -17,7 +17,8 @@ def first_causes(result):
     """The first two causes of result.json as text; where it lists none, the first screen's sentences."""
     causes = result["verdict"].get("causes")
     if causes is None:
-        return " ".join([result["verdict"]["headline"], *result["verdict"]["summary"]])
+        # "Assumed" lists numbers that could be wrong, of a right model too.
+        return " ".join([result["verdict"]["headline"], *(said for said in result["verdict"]["summary"] if not said.startswith("Assumed"))])
     return " | ".join(f"{cause['kind']}: {cause['sentence']} outputs {' '.join(map(str, cause.get('outputs') or []))} "
                       f"specimens {' '.join(map(str, cause.get('specimens') or []))}" for cause in causes[:2])
 
@@ -51,7 +52,8 @@ class WrongNumber(ModelError):
 
     def is_named(self, answers):
         names = (self.target, *self.alike)
-        return any(any(name in targets for targets in answers.candidates[:2]) or mentions(answers.causes, name) for name in names)
+        own_names = (name.split(":")[1] for name in names if name.count(":") == 1)  # spring:k2 is k2 where it is written
+        return any(name in targets for targets in answers.candidates[:2] for name in names) or any(mentions(answers.causes, name) for name in (*names, *own_names))
 
 
 @dataclasses.dataclass
@@ -99,8 +101,8 @@ class SwappedColumns(ModelError):
                 values[:, [k, j]] = values[:, [j, k]]
 
     def is_named(self, answers):
-        return self.first in answers.causes and self.second in answers.causes and bool(
-            re.search(r"swap|exchang|chang\w* places|ascend|cross|pair|order|column|sensor", answers.causes))
+        are_mentioned = all(re.search(rf"\b{name}\b", answers.causes) for name in (self.first, self.second))
+        return are_mentioned and bool(re.search(r"swap|exchang|chang\w* places|ascend|cross|pair|order|column|sensor", answers.causes))
 
 
 @dataclasses.dataclass
