@@ -13,7 +13,7 @@ HEAD = ("| what | sets | adequate | inadequate | undecided | failed | means with
 ABOUT = (
     f"Made by run.py, seed {SEED}: families.py says what is drawn. The truth is drawn from the prior; 8 to 12 specimens scatter by 3 % and frequencies have a "
     "stated noise of 0.1 % where nothing else is said; the method is `maximum-likelihood`. Families with a right model come first. *Failed*: the command refused "
-    "the study with a message, or ended with an error. A wrong model is *refused* by its verdict or on reading. *Causes* are the first two of `verdict.causes`, "
+    "the study with a message, or ended with an error. Sets are fewer where time ended first. A wrong model is *refused* by its verdict or on reading. *Causes* are the first two of `verdict.causes`, "
     "where there are none the headline and the summary, and the first two candidates of `mottle diagnose` where the question is which number is wrong and "
     "the verdict is not adequate. Processor time is that of `init`, `update` and `diagnose`, mean of the sets. A family's goal: right models refused or failed in "
     "7 % and two standard errors at most; wrong ones refused, or undecided with the error named, in 90 %, the cause named in 75 %.")
@@ -44,7 +44,7 @@ def logged(log):
 
 
 def all_answers(program, sets, jobs, log):
-    """{family: answers}; a first set of all families, then a second one...; sets in the log are not drawn again, new ones are added to it."""
+    """{family: answers}: a first set of all families, then a second one...; sets in the log count, and new ones are added to it."""
     known = logged(log)
     wanted = [(family, number) for number in range(sets) for family in families() if (family.what, number) not in known]
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
@@ -54,7 +54,8 @@ def all_answers(program, sets, jobs, log):
             if log:
                 with open(log, "a", encoding="utf-8") as file:
                     file.write(json.dumps(known[family.what, number]) + "\n")
-    return {family.what: [known[family.what, number] for number in range(sets)] for family in families()}
+    names = {family.what for family in families()}
+    return {what: [answer for (name, _), answer in sorted(known.items()) if name == what] for what in names}
 
 
 def row(family, answers):
@@ -75,16 +76,19 @@ def row(family, answers):
     return f"| {line} |"
 
 
-def goals(right, wrong, is_short):
-    """Sentences on all sets together, and whether all goals are met; in the short form with two standard errors."""
-    shares = [("Right models are refused or fail", np.mean([is_blamed(answer) for answer in right]), RIGHT, "at most", len(right)),
-              ("Wrong models are refused, or undecided with the error named,", np.mean([is_caught(answer) for answer in wrong]), REFUSED, "at least", len(wrong)),
-              ("The cause is among the first two", np.mean([answer["named"] for answer in wrong]), NAMED, "at least", len(wrong))]
+def goals(answers, is_short):
+    """Sentences on all families together, each with the same weight, and whether all goals are met; in the short form with two standard errors."""
+    right, wrong = ([answers[family.what] for family in families() if bool(family.error) == is_wrong] for is_wrong in (False, True))
+    goal_list = [("Right models are refused or fail", right, is_blamed, RIGHT, "at most"),
+                 ("Wrong models are refused, or undecided with the error named,", wrong, is_caught, REFUSED, "at least"),
+                 ("The cause is among the first two", wrong, lambda answer: answer["named"], NAMED, "at least")]
     sentences, met = [], []
-    for what, share, goal, bound, sets in shares:
-        slack = two_errors(goal, sets) if is_short else 0.0
+    for what, sets, claim, goal, bound in goal_list:
+        share = float(np.mean([np.mean([claim(answer) for answer in family]) for family in sets]))
+        count = sum(map(len, sets))
+        slack = two_errors(goal, count) if is_short else 0.0
         met.append(share <= goal + slack if bound == "at most" else share >= goal - slack)
-        sentences.append(f"- {what} in {100 * share:.1f} % of {sets} sets; goal: {bound} {100 * goal:.0f} %: {'yes' if met[-1] else 'no'}.")
+        sentences.append(f"- {what} in {100 * share:.1f} % ({count} sets of {len(sets)} families); goal: {bound} {100 * goal:.0f} %: {'yes' if met[-1] else 'no'}.")
     return sentences, all(met)
 
 
@@ -92,9 +96,8 @@ def section(program, sets, jobs, log=None, is_short=False):
     """The table with its heading, and whether the goals over all are met."""
     answers = all_answers(program, sets, jobs, log)
     lines = [row(family, answers[family.what]) for family in families()]
-    right, wrong = ([answer for family in families() if bool(family.error) == is_wrong for answer in answers[family.what]] for is_wrong in (False, True))
     print("\n".join([HEAD, *lines]))
-    sentences, met = goals(right, wrong, is_short)
+    sentences, met = goals(answers, is_short)
     print("\n".join(sentences))
-    text = ["# Answers to whole studies", "", ABOUT, "", HEAD, *lines, "", "Over all:", "", *sentences]
+    text = ["# Answers to whole studies", "", ABOUT, "", HEAD, *lines, "", "Over all families, each with the same weight:", "", *sentences]
     return "\n".join(text) + "\n", met

@@ -29,7 +29,7 @@ def options():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", type=pathlib.Path, default=HERE.parent.parent / "build/release/mottle")
     parser.add_argument("--part", choices=("methods", "studies"), help="make one of the two tables again, and keep the other")
-    parser.add_argument("--sets", type=int, help="sets of each row (default: 40 by method, 20 of whole studies)")
+    parser.add_argument("--sets", type=int, help="sets of each row (default: 40 by method, 20 of whole studies; 0: those in the log)")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--log", type=pathlib.Path, help="file of the answers to whole studies, a line of JSON each: read, and added to")
     parser.add_argument("--short", action="store_true", help="two sets of each family; the goals then with two standard errors")
@@ -55,7 +55,7 @@ def main():
         first, is_met = by_method.section(program, arguments.sets or 40, arguments.jobs)
         met.append(is_met)
     if arguments.part != "methods":
-        second, is_met = by_study.section(program, arguments.sets or 20, arguments.jobs, arguments.log)
+        second, is_met = by_study.section(program, 20 if arguments.sets is None else arguments.sets, arguments.jobs, arguments.log)
         met.append(is_met)
     results.write_text(first.rstrip("\n") + "\n\n" + second, encoding="utf-8")
     return 0 if all(met) else 1
