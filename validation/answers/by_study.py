@@ -13,7 +13,8 @@ HEAD = ("| what | sets | adequate | inadequate | undecided | failed | means with
 ABOUT = (
     f"Made by run.py, seed {SEED}: families.py says what is drawn. The truth is drawn from the prior; 8 to 12 specimens scatter by 3 % and frequencies have a "
     "stated noise of 0.1 % where nothing else is said; the method is `maximum-likelihood`. Families with a right model come first. *Failed*: the command refused "
-    "the study with a message, or ended with an error. Sets are fewer where time ended first. A wrong model is *refused* by its verdict or on reading. *Causes* are the first two of `verdict.causes`, "
+    "the study with a message, or ended with an error. Sets are fewer where time ended first. "
+    "A wrong model is *refused* by its verdict, or on reading with the error named. *Causes* are the first two of `verdict.causes`, "
     "where there are none the headline and the summary, and the first two candidates of `mottle diagnose` where the question is which number is wrong and "
     "the verdict is not adequate. Processor time is that of `init`, `update` and `diagnose`, mean of the sets. A family's goal: right models refused or failed in "
     "7 % and two standard errors at most; wrong ones refused, or undecided with the error named, in 90 %, the cause named in 75 %.")
@@ -21,8 +22,8 @@ RIGHT, REFUSED, NAMED = 0.07, 0.90, 0.75  # goals: at most, at least, at least
 
 
 def is_caught(answer):
-    """A wrong model's refusal, by the verdict or on reading, or an open verdict that names the error."""
-    return answer["conclusion"] == "inadequate" or answer["code"] == 2 or (answer["conclusion"] == "undecided" and answer["named"])
+    """A wrong model's refusal by the verdict, or a refusal on reading or an open verdict that names the error."""
+    return answer["conclusion"] == "inadequate" or (answer["named"] and (answer["code"] == 2 or answer["conclusion"] == "undecided"))
 
 
 def is_blamed(answer):
