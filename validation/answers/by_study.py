@@ -8,22 +8,23 @@ from families import families
 from studies import SEED, one_set
 
 KINDS = ("adequate", "inadequate", "undecided", "failed")
-HEAD = ("| what | sets | adequate | inadequate | undecided | failed | means within their 95 % intervals, % | refused, or undecided with the error named "
+HEAD = ("| what | sets | adequate | inadequate | undecided | failed | means within their 95 % intervals, % | refused, or not reassured with the error named "
         "| cause named among the first two | processor time, s | reached |\n|---|---|---|---|---|---|---|---|---|---|---|")
 ABOUT = (
     f"Made by run.py, seed {SEED}: families.py says what is drawn. The truth is drawn from the prior; 8 to 12 specimens scatter by 3 % and frequencies have a "
     "stated noise of 0.1 % where nothing else is said; the method is `maximum-likelihood`. Families with a right model come first. *Failed*: the command refused "
     "the study with a message, or ended with an error. Sets are fewer where time ended first. "
-    "A wrong model is *refused* by its verdict, or on reading with the error named. *Causes* are the first two of `verdict.causes`, "
+    "A wrong model is *refused* by its verdict, or on reading with the error named. Where specimens are wrong and the model is right (loose joints, batches), "
+    "*adequate* with the error named and without the green of a reassuring verdict is the right answer, and counts as named. *Causes* are the first two of `verdict.causes`, "
     "where there are none the headline and the summary, and the first two candidates of `mottle diagnose` where the question is which number is wrong and "
     "the verdict is not adequate. Processor time is that of `init`, `update` and `diagnose`, mean of the sets. A family's goal: right models refused or failed in "
-    "7 % and two standard errors at most; wrong ones refused, or undecided with the error named, in 90 %, the cause named in 75 %.")
+    "7 % and two standard errors at most; wrong ones refused, or not reassured with the error named, in 90 %, the cause named in 75 %.")
 RIGHT, REFUSED, NAMED = 0.07, 0.90, 0.75  # goals: at most, at least, at least
 
 
 def is_caught(answer):
-    """A wrong model's refusal by the verdict, or a refusal on reading or an open verdict that names the error."""
-    return answer["conclusion"] == "inadequate" or (answer["named"] and (answer["code"] == 2 or answer["conclusion"] == "undecided"))
+    """A refusal by the verdict, or one on reading, or an answer that is open or marked as doubtful, that names the error."""
+    return answer["conclusion"] == "inadequate" or (answer["named"] and not answer.get("reassures", False))
 
 
 def is_blamed(answer):
@@ -81,7 +82,7 @@ def goals(answers, is_short):
     """Sentences on all families together, each with the same weight, and whether all goals are met; in the short form with two standard errors."""
     right, wrong = ([answers[family.what] for family in families() if bool(family.error) == is_wrong] for is_wrong in (False, True))
     goal_list = [("Right models are refused or fail", right, is_blamed, RIGHT, "at most"),
-                 ("Wrong models are refused, or undecided with the error named,", wrong, is_caught, REFUSED, "at least"),
+                 ("Wrong models are refused, or not reassured with the error named,", wrong, is_caught, REFUSED, "at least"),
                  ("The cause is among the first two", wrong, lambda answer: answer["named"], NAMED, "at least")]
     sentences, met = [], []
     for what, sets, claim, goal, bound in goal_list:

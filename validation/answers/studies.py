@@ -186,7 +186,7 @@ def update(program, family, place, means, special):
         result = json.loads((place / "out/result.json").read_text(encoding="utf-8"))
         study = tomllib.loads((place / "study.toml").read_text(encoding="utf-8"))
         answers.causes = first_causes(result)
-        found.update(conclusion=result["verdict"]["conclusion"], said=answers.causes)
+        found.update(conclusion=result["verdict"]["conclusion"], reassures=result["verdict"]["is_reassuring"], said=answers.causes)
         found["held"], found["intervals"] = covered(family, result, study, means)
     if family.error and family.error.asks_diagnosis and answer.code == 0 and found["conclusion"] != "adequate":
         answers.candidates, seconds = diagnose(program, place)

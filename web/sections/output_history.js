@@ -44,7 +44,7 @@ function tooltip_lines(study, axis, [, value]) {
 export default {
   id: "output-convergence",
   title: "Mean outputs by iteration",
-  has_data: (study) => has_history(study, "output_mean") && study.iterations.length > 1,
+  has_data: (study) => has_history(study, "output_mean"),
   explained: [
     [
       "Mean outputs",

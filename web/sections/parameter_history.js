@@ -29,7 +29,7 @@ function tooltip_lines(study, axis, [iteration, value]) {
 export default {
   id: "parameter-convergence",
   title: "Parameters by iteration",
-  has_data: (study) => has_history(study, "parameter_mean") && study.iterations.length > 1,
+  has_data: (study) => has_history(study, "parameter_mean"),
   explained: [
     ["Parameters by iteration", "A mean that stays on a dotted bound has not been found: the bound stopped it."],
   ],

@@ -102,8 +102,9 @@ export function history_of(study, field, component) {
   });
 }
 
+/** Of more than a beginning and an end: two points are no course. */
 export const has_history = (study, field) =>
-  study.iterations.some((entry) => is_number(entry[field]) || has_numbers(entry[field]));
+  study.iterations.length > 2 && study.iterations.some((entry) => is_number(entry[field]) || has_numbers(entry[field]));
 
 /** The iterations of which there is a cloud or an ellipse to show, in order. */
 export function shown_iterations(study) {

@@ -50,7 +50,7 @@ function plots_of_estimate(result) {
 export function expected_plots(data) {
   const result = result_of(data);
   const iterations = list(result.iterations);
-  const any = (field) => iterations.some((entry) => is_number(entry[field]) || has_numbers(entry[field]));
+  const any = (field) => iterations.length > 2 && iterations.some((entry) => is_number(entry[field]) || has_numbers(entry[field]));
   const outputs = list(result.outputs?.names).length;
   const shown = new Set([
     ...list(data.clouds).map(({ iteration }) => iteration),
@@ -61,8 +61,8 @@ export function expected_plots(data) {
   return [
     ...plots_of_estimate(result),
     any("distance_euclidean") || any("distance_mahalanobis") ? "distance" : null,
-    any("output_mean") && iterations.length > 1 ? "output-history" : null,
-    any("parameter_mean") && iterations.length > 1 ? "parameter-history" : null,
+    any("output_mean") ? "output-history" : null,
+    any("parameter_mean") ? "parameter-history" : null,
     list(result.sample_size?.curve?.n_total).length > 2 ? "sample-size" : null,
     has_numbers(result.spearman) ? "spearman" : null,
     outputs > 1 && shown.size ? "scatter-first-last" : null,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "mottle/core/text.hpp"
 #include "mottle/stats/distributions/chi_squared.hpp"
@@ -96,9 +97,14 @@ void add_normality(const SummarySources& s, Causes& causes) {
 }  // namespace
 
 void add_causes_of_specimens(const SummarySources& s, Causes& causes) {
-  add_outliers(s, causes);
+  // More than a fifth of the specimens are no outliers, but a batch.
+  const bool are_few = 5 * static_cast<Eigen::Index>(s.result.outliers.size()) <= s.problem.tests.values.rows();
+  Causes of_population;
+  add_normality(s, of_population);
+  const bool has_batches = !of_population.empty() && of_population.front().kind == "two-batches";
+  if (are_few || !has_batches) add_outliers(s, causes);
   if (s.result.outliers.empty()) add_odd_specimens(s, causes);
-  add_normality(s, causes);
+  std::ranges::move(of_population, std::back_inserter(causes));
 }
 
 }  // namespace mottle::study

@@ -102,11 +102,13 @@ MeanSolutions MeanSearch::result() const {
   return result;
 }
 
+bool MeanSearch::are_met_twice() const {
+  return !found_.empty() &&
+         std::ranges::all_of(result().solutions, [](const MeanSolution& one) { return one.met >= 2; });
+}
+
 bool MeanSearch::is_settled() const {
-  if (found_.empty()) return false;
-  const MeanSolutions now = result();
-  return now.solutions.front().residual <= settings_.expected_residual &&
-         std::ranges::all_of(now.solutions, [](const MeanSolution& one) { return one.met >= 2; });
+  return are_met_twice() && result().solutions.front().residual <= settings_.expected_residual;
 }
 
 SpecimenFits MeanSearch::fit(const Eigen::MatrixXd& points, const Eigen::MatrixXd& outputs) {

@@ -55,7 +55,10 @@ class MeanSearch {
   /// @throws SystemFailure  there is none
   MeanSolutions result() const;
 
-  /// Whether each of these was met twice, and one leaves no more than a right model does.
+  /// Whether each of these was met twice.
+  bool are_met_twice() const;
+
+  /// The same, and one leaves no more than a right model does.
   bool is_settled() const;
 
  private:

@@ -12,9 +12,9 @@ namespace {
 constexpr Eigen::Index k_round = 16;  // starts that are tried together
 
 /// Points of a Latin hypercube over more than the prior: basins within its tails are reached from beyond them too.
-Eigen::MatrixXd space_filling(const PriorOnScales& prior, int count, std::uint64_t seed) {
+Eigen::MatrixXd space_filling(const PriorOnScales& prior, int count, std::uint64_t seed, std::uint32_t round) {
   constexpr double k_spread = 1.5;
-  const StreamKey key{.seed = seed, .purpose = StreamPurpose::design_permutation, .iteration = 1};
+  const StreamKey key{.seed = seed, .purpose = StreamPurpose::design_permutation, .iteration = round};
   const Eigen::VectorXd std = prior.covariance.diagonal().cwiseSqrt();
   const Eigen::MatrixXd uniform = uniform_design(SamplingDesign::latin_hypercube, count, prior.mean.size(), key);
   const Eigen::MatrixXd normal = uniform.unaryExpr([](double u) { return standard_normal_quantile(u); });
@@ -40,12 +40,20 @@ MeanSolutions find_mean_solutions(const UpdatingProblem& problem, const Eigen::R
   search.descend_from_prior();
   const std::vector<Eigen::Index> nearest = search.nearest_first(prior_cloud.outputs);
   const Eigen::MatrixXd samples = from_variables(problem.space.transforms(), prior_cloud.samples(nearest, Eigen::all));
-  const Eigen::MatrixXd filling = space_filling(search.prior(), settings.starts, context.seed);
+  const int most = k_more_starts * settings.starts;
+  Eigen::MatrixXd filling(most, search.prior().mean.size());
+  filling << space_filling(search.prior(), settings.starts, context.seed, 1),
+      space_filling(search.prior(), most - settings.starts, context.seed, 2);
   Eigen::Index near_done = 0;
   Eigen::Index far_done = 0;
-  while (search.starts() < settings.starts && !(near_done > 0 && search.is_settled())) {
+  const auto is_done = [&] {
+    if (search.starts() < settings.starts) return near_done > 0 && search.is_settled();
+    return search.starts() >= most || search.are_met_twice();
+  };
+  while (!is_done()) {
     context.throw_if_stopped();
-    const Eigen::Index count = std::min<Eigen::Index>(k_round, settings.starts - search.starts());
+    const int limit = search.starts() < settings.starts ? settings.starts : most;
+    const Eigen::Index count = std::min<Eigen::Index>(k_round, limit - search.starts());
     const Eigen::MatrixXd far = rows_of(filling, far_done, count / 2);
     const Eigen::MatrixXd near = rows_of(samples, near_done, count - far.rows());
     if (near.rows() + far.rows() == 0) break;

@@ -20,10 +20,10 @@ struct HoldingPopulation {
 
 /// Fitted specimens.
 struct SpecimenFits {
-  Eigen::MatrixXd points;                  ///< t [specimen x parameter]
-  Eigen::MatrixXd outputs;                 ///< f there [specimen x output]
-  std::vector<Eigen::MatrixXd> jacobians;  ///< df/dt at `differentiated`, one a specimen [output x parameter]
-  std::vector<bool> converged;
+  Eigen::MatrixXd points;                       ///< t [specimen x parameter]
+  Eigen::MatrixXd outputs;                      ///< f there [specimen x output]
+  std::vector<Eigen::MatrixXd> jacobians = {};  ///< df/dt at `differentiated`, one a specimen [output x parameter]
+  std::vector<bool> converged = {};
   Eigen::VectorXd costs = {};           ///< what was minimised, noise below a floor counted as that floor [specimen]
   Eigen::MatrixXd differentiated = {};  ///< where the Jacobians were taken [specimen x parameter]
 

@@ -97,7 +97,10 @@ std::string batches_text(const Parameter& parameter, const Estimates& estimates,
 std::string suggestion_for(const Parameter& parameter, const VariableNormality& variable, double mean,
                            const std::vector<Outlier>& outliers, const TestData& tests) {
   const Estimates estimates = estimates_of(variable, mean, {});
-  const bool is_but_for_outliers = !outliers.empty() && estimates_of(variable, mean, outliers).p_value() > k_passes;
+  constexpr std::size_t k_most = 5;  // a fifth: more than these are no outliers, but a batch
+  const bool are_few = k_most * outliers.size() <= estimates.values.size();
+  const bool is_but_for_outliers =
+      !outliers.empty() && are_few && estimates_of(variable, mean, outliers).p_value() > k_passes;
   if (const auto scale = better_scale(parameter, estimates, variable.probabilities.p_value)) {
     return fmt::format(
         "{} looks normal on the scale \"{}\": set scale = \"{}\"{}", parameter.name, scale_name(scale->kind),

@@ -145,8 +145,9 @@ Verdict judge(const UpdatingProblem& problem, const UpdatingResult& result) {
   say_what_is_open(result, verdict);
   const bool has_failed =
       std::any_of(result.tests.begin(), result.tests.end(), [](const VerdictTest& test) { return !test.passed; });
-  // A failed test counts where no better solution may be left.
-  const bool is_searched = !result.search || result.search->starts == 0 || result.search->is_settled;
+  // A failed test counts where a better solution is not likely to be left.
+  const bool is_searched = !result.search || result.search->starts == 0 || result.search->is_settled ||
+                           result.search->starts >= k_more_starts * problem.starts;
   const bool counts = is_at_rest(problem, result) && is_searched;
   if (result.status != UpdatingStatus::converged) {
     verdict.not_tested.push_back(
