@@ -42,7 +42,7 @@ Eigen::VectorXd scales_of(const std::vector<InitMode>& outputs) {
   constexpr double k_untested = 0.01;
   Eigen::VectorXd scales(static_cast<Eigen::Index>(outputs.size()));
   for (std::size_t k = 0; k < outputs.size(); ++k) {
-    const double scatter = outputs[k].test_std / outputs[k].test_mean;
+    const double scatter = outputs[k].robust_std / outputs[k].test_mean;
     scales(static_cast<Eigen::Index>(k)) = std::isnan(scatter) ? k_untested : std::max(scatter, k_least);
   }
   return scales;
@@ -212,7 +212,9 @@ InitOutcome propose_study(const InitSettings& settings) {
       "and name the outputs with --outputs",
       settings.model.string(), doubts_text(outcome.modes));
   const ProposedOutputs seen{numbers_of(outputs), scales_of(outputs), modes_of_one_frequency(model.frequencies)};
-  outcome.parameters = propose_parameters(model.targets, seen, settings.targets.value_or(std::vector<std::string>{}));
+  ProposedParameters proposed = propose_parameters(outcome, model.targets, seen);
+  outcome.parameters = std::move(proposed.list);
+  outcome.notes.insert(outcome.notes.end(), proposed.notes.begin(), proposed.notes.end());
   if (std::string note = one_frequency_note(seen); !note.empty()) outcome.notes.push_back(std::move(note));
   require(outcome.parameters.front().left_out.empty(),
           "{0}: no number of the deck moves the outputs by more than the tests scatter; see `mottle targets {0}`, and "

@@ -24,6 +24,19 @@ constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_alike = 0.7;  // MAC
 constexpr double k_far = 0.15;   // relative difference of frequencies
 
+/// Standard deviation by the median absolute deviation, which an outlier does not raise; of few values the usual one.
+double robust_std(std::vector<double> values, double standard_deviation) {
+  constexpr std::size_t k_fewest = 6;
+  constexpr double k_normal = 1.4826;  // of a normal sample's standard deviation to its median absolute deviation
+  if (values.size() < k_fewest) return standard_deviation;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  const double median = *middle;
+  for (double& value : values) value = std::abs(value - median);
+  std::ranges::nth_element(values, middle);
+  return std::min(standard_deviation, k_normal * *middle);
+}
+
 /// Mean, scatter and count of the values that there are.
 void add_values(const Eigen::VectorXd& values, InitMode& mode) {
   std::vector<double> found;
@@ -34,7 +47,9 @@ void add_values(const Eigen::VectorXd& values, InitMode& mode) {
   if (found.empty()) return;
   const Eigen::Map<const Eigen::ArrayXd> list(found.data(), mode.specimens);
   mode.test_mean = list.mean();
-  if (mode.specimens > 1) mode.test_std = std::sqrt((list - list.mean()).square().sum() / (mode.specimens - 1));
+  if (mode.specimens < 2) return;
+  mode.test_std = std::sqrt((list - list.mean()).square().sum() / (mode.specimens - 1));
+  mode.robust_std = robust_std(found, mode.test_std);
 }
 
 /// Mean MAC of the paired modes, by mode, from a column of the table of pairs.

@@ -2,224 +2,176 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <optional>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "study/input/first_few.hpp"
+#include "study/proposal/explanatory_numbers.hpp"
+#include "study/proposal/proposal_model.hpp"
 
 namespace mottle::study {
 namespace {
 
-struct Spread {
-  double value = 0.0;
-  const char* reason = "";
-};
+constexpr std::size_t k_most = 12;
 
-/// How far a number of that kind is commonly off, by what it stands for.
-Spread spread_of(const std::string& card, const std::string& name) {
-  static const std::set<std::string> k_springs = {"PELAS", "CELAS2", "CELAS4", "PBUSH", "PGAP", "*SPRING"};
-  if (k_springs.contains(card)) return {0.3, "stiffnesses of joints and supports are seldom known better"};
-  if (name == "RHO" || card == "*DENSITY")
-    return {0.03, "densities are known, but paint, glue and fasteners are in them too"};
-  if (name == "E" || name == "G" || name.starts_with("E") || name.starts_with("G")) {
-    return {0.1, "moduli are known better, but simplified joints and holes are in them too"};
-  }
-  if (name == "M" || card == "CONM1" || card == "*MASS" || name == "NSM")
-    return {0.1, "masses of equipment and cables"};
-  if (name == "J" || name.starts_with("I")) return {0.1, "properties of simplified sections"};
-  return {0.05, "tolerances of dimensions"};
-}
-
-/// "E_MAT1_2" of "MAT1:2:E"; "E_STEEL" of "*ELASTIC:STEEL:E", "SPRING_BOLTS" of "*SPRING:BOLTS".
-std::string name_of(const std::string& target) {
-  const std::size_t first = target.find(':');
-  const std::size_t last = target.rfind(':');
-  const bool is_calculix = target.starts_with('*');
-  if (is_calculix) {
-    const std::string owner = target.substr(first + 1, first == last ? last : last - first - 1);
-    return fmt::format("{}_{}", first == last ? target.substr(1, first - 1) : target.substr(last + 1), owner);
-  }
-  return fmt::format("{}_{}_{}", target.substr(last + 1), target.substr(0, first),
-                     target.substr(first + 1, last - first - 1));
-}
-
-InitParameter describe(const Target& target, const std::vector<int>& modes) {
-  const std::size_t first = target.name.find(':');
-  const std::size_t last = target.name.rfind(':');
-  const Spread spread = spread_of(target.name.substr(0, first),
-                                  first == last && target.name.starts_with('*') ? "" : target.name.substr(last + 1));
-  InitParameter parameter{.target = target.name,
-                          .name = name_of(target.name),
-                          .unit = target.unit,
-                          .value = target.value,
-                          .elements = target.elements,
-                          .spread = spread.value,
-                          .spread_reason = spread.reason};
-  for (const int mode : modes) {
-    const double sensitivity = target.sensitivity(mode - 1);
-    if (std::isnan(sensitivity) || std::abs(sensitivity) <= std::abs(parameter.sensitivity)) continue;
-    parameter.sensitivity = sensitivity;
-    parameter.mode = mode;
-  }
-  return parameter;
-}
-
-/// Changes by one spread of each number, in scales of the outputs.
-struct Changes {
-  Eigen::MatrixXd known;    ///< [direction x number]
-  Eigen::VectorXd unknown;  ///< sizes of those in unknown combinations of modes of one frequency [number]
-};
-
-/// @param spreads  [number]
-Eigen::MatrixXd single_changes(const std::vector<Target>& targets, const ProposedOutputs& outputs,
-                               const Eigen::VectorXd& spreads) {
-  Eigen::MatrixXd changes(outputs.scales.size(), spreads.size());
-  for (Eigen::Index j = 0; j < changes.cols(); ++j) {
-    for (Eigen::Index k = 0; k < changes.rows(); ++k) {
-      const int mode = outputs.modes[static_cast<std::size_t>(k)];
-      const double sensitivity = targets[static_cast<std::size_t>(j)].sensitivity(mode - 1);
-      changes(k, j) = std::isnan(sensitivity) ? 0.0 : sensitivity * spreads(j) / outputs.scales(k);
-    }
-  }
-  return changes;
-}
-
-/// The outputs of a group become one row, of the mean of the group's eigenvalues, and the sizes of the rest.
-void merge_group(const std::vector<Target>& targets, const ProposedOutputs& outputs, const ModeGroup& group,
-                 const Eigen::VectorXd& spreads, Changes& changes) {
-  std::vector<Eigen::Index> members;
-  for (std::size_t k = 0; k < outputs.modes.size(); ++k) {
-    if (group.contains(outputs.modes[k] - 1)) members.push_back(static_cast<Eigen::Index>(k));
-  }
-  if (members.empty()) return;
-  const Eigen::VectorXd scales = outputs.scales(members);
-  const double weight = std::sqrt(static_cast<double>(members.size())) / scales.mean();
-  changes.known(members, Eigen::all).setZero();
-  for (Eigen::Index j = 0; j < spreads.size(); ++j) {
-    const Eigen::RowVectorXd values =
-        targets[static_cast<std::size_t>(j)].sensitivity.segment(group.first, group.count);
-    if (!values.allFinite()) continue;
-    const double mean_square = (values.array() - values.mean()).square().mean();
-    changes.known(members.front(), j) = weight * spreads(j) * values.mean();
-    changes.unknown(j) = std::hypot(changes.unknown(j), weight * spreads(j) * std::sqrt(mean_square));
-  }
-}
-
-Changes changes_of(const std::vector<Target>& targets, const std::vector<InitParameter>& parameters,
-                   const ProposedOutputs& outputs) {
-  Eigen::VectorXd spreads(static_cast<Eigen::Index>(parameters.size()));
-  for (std::size_t j = 0; j < parameters.size(); ++j) spreads(static_cast<Eigen::Index>(j)) = parameters[j].spread;
-  Changes changes{single_changes(targets, outputs, spreads), Eigen::VectorXd::Zero(spreads.size())};
-  for (const ModeGroup& group : outputs.groups) merge_group(targets, outputs, group, spreads, changes);
-  return changes;
-}
-
-/// Columns by pivoted orthogonalisation, the longest rest first.
-class Selection {
- public:
-  explicit Selection(Changes changes)
-      : columns_(std::move(changes.known)), rest_(columns_), own_(std::move(changes.unknown)) {}
-
-  double length(Eigen::Index j) const { return std::hypot(columns_.col(j).norm(), own_(j)); }
-  /// Part of a column that the chosen ones cannot give, as a fraction of it.
-  double independent(Eigen::Index j) const { return length(j) > 0.0 ? rest(j) / length(j) : 0.0; }
-
-  void choose(Eigen::Index j) {
-    chosen_.push_back(j);
-    add_row_of(j);
-    const double norm = rest_.col(j).norm();
-    if (norm == 0.0) return;
-    const Eigen::VectorXd direction = rest_.col(j) / norm;
-    rest_ -= direction * (direction.transpose() * rest_).eval();
-  }
-
-  /// The candidate with the longest rest that satisfies both limits; -1: none.
-  Eigen::Index next(double min_length, double min_independent) const {
-    Eigen::Index best = -1;
-    for (Eigen::Index j = 0; j < rest_.cols(); ++j) {
-      if (length(j) < min_length || independent(j) < min_independent) continue;
-      if (best < 0 || rest(j) > rest(best)) best = j;
-    }
-    return best;
-  }
-
-  /// The chosen column that is most like this one.
-  Eigen::Index most_alike(Eigen::Index j) const {
-    Eigen::Index best = -1;
-    double largest = 0.0;
-    for (const Eigen::Index other : chosen_) {
-      const double cosine = std::abs(columns_.col(j).dot(columns_.col(other))) / (length(j) * length(other));
-      if (best >= 0 && !(cosine > largest)) continue;
-      largest = cosine;
-      best = other;
-    }
-    return best;
-  }
-
-  const std::vector<Eigen::Index>& chosen() const { return chosen_; }
-
- private:
-  double rest(Eigen::Index j) const { return std::hypot(rest_.col(j).norm(), own_(j)); }
-
-  /// The direction of its own becomes one that others can get a part in.
-  void add_row_of(Eigen::Index j) {
-    if (own_(j) == 0.0) return;
-    for (Eigen::MatrixXd* matrix : {&columns_, &rest_}) {
-      matrix->conservativeResize(matrix->rows() + 1, Eigen::NoChange);
-      matrix->bottomRows(1).setZero();
-      (*matrix)(matrix->rows() - 1, j) = own_(j);
-    }
-    own_(j) = 0.0;
-  }
-
-  Eigen::MatrixXd columns_, rest_;
-  Eigen::VectorXd own_;  // lengths in a direction that no other column has
-  std::vector<Eigen::Index> chosen_;
-};
-
-void choose_wanted(const std::vector<Target>& targets, const std::vector<std::string>& wanted, Selection& selection) {
+std::vector<Eigen::Index> indices_of(const std::vector<CandidateNumber>& candidates,
+                                     const std::vector<std::string>& wanted) {
   std::vector<std::string> known;
-  for (const Target& target : targets) known.push_back(target.name);
+  for (const CandidateNumber& candidate : candidates) known.push_back(candidate.parameter.target);
+  std::vector<Eigen::Index> indices;
   for (const std::string& name : wanted) {
     const auto found = std::ranges::find(known, capitals(name));
     require(found != known.end(), "{}", unknown_name_message("target", name, known));
-    selection.choose(std::distance(known.begin(), found));
+    indices.push_back(std::distance(known.begin(), found));
   }
+  return indices;
+}
+
+/// Those that can be seen beside the noise of a frequency; the others would cost time and explain nothing.
+std::vector<CandidateNumber> visible_candidates(const std::vector<CandidateNumber>& all, const ProposedOutputs& outputs,
+                                                const std::vector<Eigen::Index>& wanted) {
+  constexpr double k_least = 1e-4;  // of a frequency
+  constexpr std::size_t k_listed = 80;
+  std::vector<std::pair<double, std::size_t>> sizes;
+  for (std::size_t j = 0; j < all.size(); ++j) {
+    double largest = 0.0;
+    for (const int mode : outputs.modes) {
+      const double change = std::abs(all[j].sensitivity(mode - 1) * all[j].parameter.spread);
+      if (!std::isnan(change)) largest = std::max(largest, change);
+    }
+    const bool is_wanted = std::ranges::count(wanted, static_cast<Eigen::Index>(j)) > 0;
+    if (largest >= k_least || is_wanted) sizes.emplace_back(is_wanted ? HUGE_VAL : largest, j);
+  }
+  std::ranges::stable_sort(sizes, [](const auto& a, const auto& b) { return a.first > b.first; });
+  sizes.resize(std::min(sizes.size(), k_listed));
+  std::ranges::sort(sizes, {}, &std::pair<double, std::size_t>::second);
+  std::vector<CandidateNumber> visible;
+  for (const auto& [size, j] : sizes) visible.push_back(all[j]);
+  return visible;
+}
+
+/// Selects about the deck's numbers, then about the mean that the chosen ones explain.
+ExplanatoryNumbers select_about_means(const ProposalModel& model, Eigen::Index count, std::size_t most,
+                                      const std::vector<Eigen::Index>& wanted) {
+  constexpr int k_rounds = 6;
+  constexpr double k_close = 0.1;  // prior standard deviations
+  constexpr double k_farthest = 2.5;
+  Eigen::VectorXd point = Eigen::VectorXd::Zero(count);
+  ExplanatoryNumbers found;
+  for (int round = 0; round < k_rounds; ++round) {
+    const std::vector<Eigen::Index> start = wanted.empty() ? found.chosen : wanted;
+    found = select_explanatory(model.linearise(point), most, start, !wanted.empty());
+    const Eigen::VectorXd next = found.mean.cwiseMax(-k_farthest).cwiseMin(k_farthest);
+    const bool is_close = (next - point).cwiseAbs().maxCoeff() < k_close;
+    if (!model.can_move() || is_close) break;
+    point = next;
+  }
+  return found;
+}
+
+/// Why each number that is no parameter is none.
+class LeftOutReasons {
+ public:
+  LeftOutReasons(const std::vector<CandidateNumber>& all, SensitiveNumbers seen) : all_(all), seen_(std::move(seen)) {}
+  /// @param gain  of ln likelihood with one more; nan: not known
+  std::string of(Eigen::Index j, double gain, bool is_full) const {
+    const Eigen::Index alike = seen_.most_alike(j);
+    const bool explains = gain > least_gain(static_cast<Eigen::Index>(all_.size()));
+    if (!seen_.is_seen(j) && !explains) return "changes the outputs less than the tests scatter";
+    if (!seen_.is_told_apart(j)) {
+      return fmt::format("the outputs can hardly tell it from {}",
+                         alike < 0 ? "the others" : all_[static_cast<std::size_t>(alike)].parameter.name);
+    }
+    if (std::isnan(gain)) return "changes less, and more parameters than half of the outputs are hard to tell apart";
+    if (explains && is_full)
+      return fmt::format("explains more (ln likelihood {:+.1f}), but the outputs can test no more parameters", gain);
+    return fmt::format("explains little beside the parameters (ln likelihood {:+.1f})", std::max(gain, 0.0));
+  }
+
+ private:
+  const std::vector<CandidateNumber>& all_;
+  SensitiveNumbers seen_;
+};
+
+struct Choice {
+  std::vector<Eigen::Index> chosen = {};
+  Eigen::VectorXd losses = {}, gains = {};  ///< nan: not known [number]
+  bool is_full = false;
+};
+
+Choice choose_sensitive(const std::vector<CandidateNumber>& all, const ProposedOutputs& outputs,
+                        std::vector<Eigen::Index> wanted) {
+  const Eigen::VectorXd unknown = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(all.size()), std::nan(""));
+  Choice choice{.chosen = std::move(wanted), .losses = unknown, .gains = unknown};
+  if (!choice.chosen.empty()) return choice;
+  SensitiveNumbers seen(all, outputs);
+  const std::size_t most = std::clamp<std::size_t>(outputs.modes.size() / 2, 1, k_most);
+  for (Eigen::Index next = seen.next(); next >= 0 && seen.chosen().size() < most; next = seen.next()) seen.choose(next);
+  choice.chosen = seen.chosen();
+  return choice;
+}
+
+/// None chosen: nothing needs an explanation.
+Choice choose_explanatory(const InitOutcome& outcome, const std::vector<CandidateNumber>& all,
+                          const ProposedOutputs& outputs, const std::vector<Eigen::Index>& wanted,
+                          std::vector<std::string>& notes) {
+  const Eigen::VectorXd unknown = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(all.size()), std::nan(""));
+  Choice choice{.losses = unknown, .gains = unknown};
+  const std::vector<CandidateNumber> visible = visible_candidates(all, outputs, wanted);
+  if (visible.empty()) return choice;
+  const ProposalModel model(outcome, visible, outputs);
+  std::vector<Eigen::Index> places;
+  for (const CandidateNumber& candidate : visible) {
+    const auto place = std::ranges::find(all, candidate.parameter.target,
+                                         [](const CandidateNumber& item) { return item.parameter.target; });
+    places.push_back(place - all.begin());
+  }
+  std::vector<Eigen::Index> wanted_visible;
+  for (const Eigen::Index j : wanted) wanted_visible.push_back(std::ranges::find(places, j) - places.begin());
+  const auto most = static_cast<std::size_t>(std::clamp<Eigen::Index>(model.output_count() - 2, 1, k_most));
+  const ExplanatoryNumbers found =
+      select_about_means(model, static_cast<Eigen::Index>(visible.size()), most, wanted_visible);
+  for (std::size_t i = 0; i < found.chosen.size(); ++i) {
+    choice.chosen.push_back(places[static_cast<std::size_t>(found.chosen[i])]);
+    choice.losses(choice.chosen.back()) = found.losses[i];
+  }
+  choice.gains(places) = found.gains;
+  choice.is_full = found.chosen.size() >= most;
+  if (!model.left_out().empty()) {
+    std::vector<std::string> numbers;
+    for (const int number : model.left_out()) numbers.push_back(fmt::format("{}", number));
+    notes.push_back(fmt::format(
+        "Specimens far from the others do not count in the choice of parameters: {}. They are in the study; look at "
+        "them before you believe their parameters.",
+        join(numbers)));
+  }
+  return choice;
 }
 
 }  // namespace
 
-std::vector<InitParameter> propose_parameters(const std::vector<Target>& targets, const ProposedOutputs& outputs,
-                                              const std::vector<std::string>& wanted) {
-  constexpr double k_seen = 1.0;
-  constexpr double k_independent = 0.15;
-  constexpr std::size_t k_most = 12;
-  std::vector<InitParameter> all;
-  for (const Target& target : targets) all.push_back(describe(target, outputs.modes));
-  Selection selection(changes_of(targets, all, outputs));
-  choose_wanted(targets, wanted, selection);
-  const std::size_t most = std::clamp<std::size_t>(outputs.modes.size() / 2, 1, k_most);
-  while (wanted.empty() && selection.chosen().size() < most) {
-    const Eigen::Index next = selection.next(k_seen, k_independent);
-    if (next < 0) break;
-    selection.choose(next);
+ProposedParameters propose_parameters(const InitOutcome& outcome, const std::vector<Target>& targets,
+                                      const ProposedOutputs& outputs) {
+  const std::vector<std::string> names = outcome.settings.targets.value_or(std::vector<std::string>{});
+  const std::vector<CandidateNumber> all = candidate_numbers(targets, outputs.modes, outputs.groups, names.empty());
+  const std::vector<Eigen::Index> wanted = indices_of(all, names);
+  ProposedParameters proposed;
+  Choice choice;
+  if (outcome.specimens > 0) choice = choose_explanatory(outcome, all, outputs, wanted, proposed.notes);
+  if (choice.chosen.empty()) choice = choose_sensitive(all, outputs, wanted);
+  SensitiveNumbers seen(all, outputs);
+  for (const Eigen::Index j : choice.chosen) {
+    seen.choose(j);
+    proposed.list.push_back(all[static_cast<std::size_t>(j)].parameter);
+    proposed.list.back().explained = choice.losses(j);
   }
-  std::vector<InitParameter> proposed;
-  for (const Eigen::Index j : selection.chosen()) proposed.push_back(all[static_cast<std::size_t>(j)]);
-  for (std::size_t j = 0; j < all.size(); ++j) {
-    const auto index = static_cast<Eigen::Index>(j);
-    if (std::ranges::count(selection.chosen(), index) > 0) continue;
-    InitParameter& other = all[j];
-    const Eigen::Index alike = selection.most_alike(index);
-    if (selection.length(index) < k_seen) {
-      other.left_out = "changes the outputs less than the tests scatter";
-    } else if (selection.independent(index) < k_independent) {
-      other.left_out = fmt::format("the outputs can hardly tell it from {}",
-                                   alike < 0 ? "the others" : all[static_cast<std::size_t>(alike)].name);
-    } else {
-      other.left_out = "changes less, and more parameters than half of the outputs are hard to tell apart";
-    }
-    proposed.push_back(std::move(other));
+  const LeftOutReasons reasons(all, std::move(seen));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto j = static_cast<Eigen::Index>(i);
+    if (std::ranges::count(choice.chosen, j) > 0) continue;
+    proposed.list.push_back(all[i].parameter);
+    proposed.list.back().left_out = reasons.of(j, choice.gains(j), choice.is_full);
   }
   return proposed;
 }

@@ -5,7 +5,7 @@
 
 #include "mottle/core/text.hpp"
 #include "mottle/model/units.hpp"
-#include "study/input/first_few.hpp"
+#include "study/results/init_parameter_text.hpp"
 #include "study/results/relative_scatter.hpp"
 #include "study/results/result_json.hpp"
 
@@ -86,43 +86,22 @@ std::string test_text(const InitOutcome& outcome) {
   return text;
 }
 
+/// Correlations of q parameters need more than q specimens; a few more, so that they are more than chance.
+bool has_few_specimens(const InitOutcome& outcome) {
+  constexpr std::ptrdiff_t k_more = 3;
+  const auto is_parameter = [](const InitParameter& parameter) { return parameter.left_out.empty(); };
+  return outcome.specimens < std::ranges::count_if(outcome.parameters, is_parameter) + k_more;
+}
+
 std::string update_text(const InitOutcome& outcome) {
-  if (outcome.specimens >= 2) return "\n[update]\nmethod = \"maximum-likelihood\"\n";
+  if (outcome.specimens >= 2) {
+    const std::string text = "\n[update]\nmethod = \"maximum-likelihood\"\n";
+    if (!has_few_specimens(outcome)) return text;
+    return text +
+           fmt::format("covariance = \"diagonal\"   # {} specimens are too few for correlations of the parameters\n",
+                       outcome.specimens);
+  }
   return "\n[update]\nmethod = \"deterministic\"   # one specimen has no scatter to explain\n";
-}
-
-std::string parameter_text(const InitParameter& parameter) {
-  constexpr double k_bounds = 5.0;  // standard deviations of the logarithm
-  const double factor = std::exp(k_bounds * parameter.spread);
-  std::string text = "\n[[parameter]]\n";
-  text += fmt::format("name = {}\n", toml_string(parameter.name));
-  text += fmt::format("target = {:<24} # {:.6g}{}{}", toml_string(parameter.target), parameter.value,
-                      parameter.unit == "-" ? "" : " ", parameter.unit == "-" ? "" : parameter.unit);
-  if (parameter.elements > 0) {
-    text += fmt::format(" in {} element{}", parameter.elements, parameter.elements == 1 ? "" : "s");
-  }
-  if (parameter.mode > 0) text += fmt::format("; f{} by {:+.2f} % per %", parameter.mode, parameter.sensitivity);
-  text += "\nrelative = true                    # a factor on the deck's value\n";
-  text += fmt::format("distribution = {{ kind = \"lognormal\", mean = 1.0, std = {:.2g} }}   # GUESSED: {}\n",
-                      parameter.spread, parameter.spread_reason);
-  return text + fmt::format("bounds = [{:.2g}, {:.2g}]\n", 1.0 / factor, factor);
-}
-
-std::string where_others_are(const InitOutcome& outcome) {
-  return outcome.kind == "nastran" ? ": `mottle targets`" : "";
-}
-
-std::string left_out_text(const InitOutcome& outcome) {
-  constexpr std::size_t k_listed = 12;
-  std::string text;
-  std::size_t count = 0;
-  for (const InitParameter& parameter : outcome.parameters) {
-    if (parameter.left_out.empty() || ++count > k_listed) continue;
-    text += fmt::format("#   {:<20} {}\n", parameter.target, parameter.left_out);
-  }
-  if (count == 0) return "";
-  if (count > k_listed) text += fmt::format("#   and {} more{}\n", count - k_listed, where_others_are(outcome));
-  return "\n# Numbers of the deck that are no parameters, and why:\n" + text;
 }
 
 std::string cell(double value, int digits) {
@@ -161,7 +140,7 @@ void add_parameter_lines(const InitOutcome& outcome, std::vector<std::string>& l
         fmt::format("{:<24} {:>12.6g} {:<10} {:>7.0f}  {:>15}  {}", parameter.target, parameter.value, parameter.unit,
                     100.0 * parameter.spread,
                     parameter.mode > 0 ? fmt::format("{:+.2f} of f{}", parameter.sensitivity, parameter.mode) : "",
-                    parameter.left_out.empty() ? parameter.name : "no: " + parameter.left_out));
+                    parameter.left_out.empty() ? chosen_text(parameter) : "no: " + parameter.left_out));
   }
   if (left_out > k_listed) {
     lines.push_back(fmt::format("and {} more{}", left_out - k_listed, where_others_are(outcome)));
@@ -181,9 +160,10 @@ Json mode_json(const InitMode& mode) {
 }
 
 Json parameter_json(const InitParameter& parameter) {
-  return {{"target", parameter.target},    {"name", parameter.name},  {"value", parameter.value},
-          {"unit", parameter.unit},        {"std", parameter.spread}, {"is_parameter", parameter.left_out.empty()},
-          {"left_out", parameter.left_out}};
+  return {
+      {"target", parameter.target},     {"name", parameter.name},   {"value", parameter.value},
+      {"unit", parameter.unit},         {"std", parameter.spread},  {"is_parameter", parameter.left_out.empty()},
+      {"left_out", parameter.left_out}, {"twins", parameter.twins}, {"explained", number_json(parameter.explained)}};
 }
 
 }  // namespace

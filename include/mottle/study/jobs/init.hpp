@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <set>
 #include <string>
@@ -28,10 +29,12 @@ struct InitSettings {
 
 /// A mode of the model with what the tests say of it.
 struct InitMode {
-  int mode = 0;             ///< the model's number
-  double model = 0.0;       ///< its frequency, unit of the study
-  double test_mean = 0.0;   ///< nan: not tested
-  double test_std = 0.0;    ///< nan: tested in fewer than two specimens
+  int mode = 0;            ///< the model's number
+  double model = 0.0;      ///< its frequency, unit of the study
+  double test_mean = 0.0;  ///< nan: not tested
+  double test_std = 0.0;   ///< nan: tested in fewer than two specimens
+  /// The same by the median absolute deviation where there are enough specimens, which an outlier does not raise.
+  double robust_std = std::numeric_limits<double>::quiet_NaN();
   int specimens = 0;        ///< in which it was found
   double mac = 0.0;         ///< mean over them; nan: paired by frequency
   std::string doubt = {};   ///< why it is no output; empty: it is one
@@ -41,12 +44,15 @@ struct InitMode {
 /// A number of the deck with its place in the study.
 struct InitParameter {
   std::string target = {}, name = {}, unit = {};
+  std::vector<std::string> twins = {};  ///< further targets of the same parameter
   double value = 0.0;
   int elements = 0;
   double spread = 0.0;  ///< proposed standard deviation, as a fraction of the value
   std::string spread_reason = {};
-  int mode = 0;               ///< output that it changes most
-  double sensitivity = 0.0;   ///< of that, % per %
+  int mode = 0;              ///< output that it changes most
+  double sensitivity = 0.0;  ///< of that, % per %
+  /// By which the ln likelihood of the tests falls without it; nan: no tests, or no parameter.
+  double explained = std::numeric_limits<double>::quiet_NaN();
   std::string left_out = {};  ///< why it is no parameter; empty: it is one
 };
 
@@ -75,10 +81,12 @@ struct InitOutcome {
 /// and proposes outputs and parameters:
 ///
 /// - outputs are the elastic modes that are paired beyond doubt in at least half of the specimens, the lowest 14;
-/// - parameters are numbers of the deck chosen one after the other, each the one that changes the outputs most (in
-///   units of the tests' scatter, by its prior standard deviation) in a way that those chosen before cannot; at most
-///   half as many as outputs. What the others lack is said.
-///
+/// - parameters are the numbers of the deck that explain the tests: by the likelihood of their means and their scatter
+///   in the linear model, stiffnesses of joints and supports before sections, masses, moduli and dimensions where the
+///   tests cannot tell; numbers of one kind and value that change the outputs alike are one parameter; at most two
+///   fewer than outputs, and twelve. Without tests they are the numbers that change the outputs most in a way that
+///   others cannot, at most half as many as outputs. For the others the reason for exclusion is given;
+/// - specimens far from the others do not count in that choice;
 /// - shapes of a table are outputs where its columns count modes as the model does.
 ///
 /// Of a file with placeholders the study has a parameter each; command, output files and values are marked as unknown.
