@@ -32,7 +32,8 @@ NextStep update_with(const SummarySources& s, const std::string& setting, std::s
 }  // namespace
 
 NextStep checked_tests(const SummarySources& s, const TestDoubt& doubt) {
-  if (doubt.kind == "mode-order" && !is_given(s)) {
+  const bool is_of_table = s.study.test && s.study.test->pairing != TestPairing::mac;
+  if (doubt.kind == "mode-order" && is_of_table && !is_given(s)) {
     return update_with(
         s, "test.pairing=\"frequency\"",
         "Pairs the columns with the model's modes by frequency; look first whether columns of the tests are "

@@ -101,6 +101,33 @@ std::string eigenvalue_columns(const Eigen::VectorXd& medians, const Eigen::Vect
          "lambda2, ... and ask for them by [outputs] eigenvalues, or give sqrt(lambda) / (2 pi).";
 }
 
+/// Pairs of columns whose medians, exchanged, are far nearer to the model's frequencies, a common factor apart.
+std::string exchanged_columns(const std::vector<std::string>& names, const Eigen::VectorXd& medians,
+                              const Eigen::VectorXd& reference) {
+  constexpr double k_far = 0.05;     // of a frequency, root mean square of the two
+  constexpr double k_nearer = 0.25;  // times as far, exchanged
+  const Eigen::VectorXd ratios = medians.cwiseQuotient(reference);
+  if (ratios.size() < 3 || !(ratios.array() > 0.0).all() || !ratios.allFinite()) return {};
+  const double usual = std::log(median_of(ratios));
+  const auto distance = [&](Eigen::Index tested, Eigen::Index model) {
+    return std::log(medians(tested) / reference(model)) - usual;
+  };
+  std::vector<std::string> found;
+  for (Eigen::Index i = 0; i < ratios.size(); ++i) {
+    for (Eigen::Index j = i + 1; j < ratios.size(); ++j) {
+      const double as_given = std::hypot(distance(i, i), distance(j, j)) / std::numbers::sqrt2;
+      const double exchanged = std::hypot(distance(j, i), distance(i, j)) / std::numbers::sqrt2;
+      if (as_given < k_far || exchanged > k_nearer * as_given) continue;
+      found.push_back(fmt::format("{} and {}", names[static_cast<std::size_t>(i)], names[static_cast<std::size_t>(j)]));
+    }
+  }
+  if (found.empty()) return {};
+  return fmt::format(
+      "Columns that are far nearer to the model's frequencies when they are exchanged, used as they are: {}. Look "
+      "whether they are in the right order.",
+      first_few(found));
+}
+
 /// " (f1 > f2)": the first pair of a specimen's frequencies that does not ascend; empty: there is none.
 std::string first_reversal(const TestedFrequencies& tested, Eigen::Index specimen) {
   const std::vector<int>& modes = tested.modes;
@@ -141,6 +168,9 @@ std::vector<TestDoubt> doubtful_frequencies(const StructureModel& model, const T
   std::vector<TestDoubt> doubts;
   if (model.selection().tracking == ModeTracking::order) {
     doubts.push_back({"mode-order", unordered_specimens(tested, tests)});
+  }
+  if (doubts.empty() || doubts.back().sentence.empty()) {
+    doubts.push_back({"mode-order", exchanged_columns(tested.names, medians, reference)});
   }
   doubts.push_back({"mistaken-values", mistaken_values(tested, tests, medians)});
   doubts.push_back({"mistaken-columns", eigenvalue_columns(medians, reference)});

@@ -123,6 +123,17 @@ TEST(MistakenTable, IsDoubtedWhereOneColumnIsInAnotherUnit) {
   EXPECT_THAT(folder.check(), ContainsRegex(R"(warning: Columns that are farther from the model .*f2 \([0-9])"));
 }
 
+TEST(MistakenTable, IsDoubtedWhereNamedColumnsAreExchanged) {
+  StudyFolder folder;
+  folder.change({{"frequencies = [1, 2, 3]", "frequencies = [1, 2, 3]\ntracking = \"mac\""},
+                 {"file = \"tests.csv\"", "file = \"tests.csv\"\npairing = \"named\""}});
+  EXPECT_THAT(folder.check(), Not(HasSubstr("when they are exchanged")));
+  folder.write("tests.csv", csv_text("f1,f2,f3", each_row(good_rows(), [](const auto& row) {
+                                       return std::vector{row[0], row[2], row[1]};
+                                     })));
+  EXPECT_THAT(folder.check(), HasSubstr("when they are exchanged, used as they are: f2 and f3."));
+}
+
 TEST(MistakenTable, IsDoubtedWhereItsFrequenciesAreEigenvalues) {
   StudyFolder folder;
   const auto squared = [](const std::vector<double>& row) {
