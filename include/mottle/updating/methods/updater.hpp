@@ -50,7 +50,7 @@ struct TestData {
 /// Of the search for all solutions: see UpdatingProblem::starts.
 inline constexpr int k_usual_starts = 64;
 /// As many times the starts are tried where the best solution that they led to was met only once.
-inline constexpr int k_more_starts = 4;
+inline constexpr int k_more_starts = 2;
 
 /// One updating problem. What it refers to must outlive it.
 struct UpdatingProblem {
