@@ -144,11 +144,14 @@ Rows ReducedSolver::CloudSolution::solve_with(const TrainedReducedModel& trained
     constexpr std::size_t k_max_training = 400;
     const Rows& all = uncertified.rows;
     const Rows some(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(k_max_training, all.size())));
-    auto copy = std::make_shared<ReducedModel>(trained.model());
-    copy->train(coefficients(some), context_.threads);
-    enlarged.emplace(exact_, std::move(copy));
-    uncertified = solve_reduced(*enlarged, Rows(all));
-    used = &*enlarged;
+    try {
+      auto copy = std::make_shared<ReducedModel>(trained.model());
+      copy->train(coefficients(some), context_.threads);
+      enlarged.emplace(exact_, std::move(copy));
+      uncertified = solve_reduced(*enlarged, Rows(all));
+      used = &*enlarged;
+    } catch (const InvalidInput&) {  // NOLINT(bugprone-empty-catch): one of them has no modes; each is solved by itself
+    }
   }
   Rows left = refine(*used, uncertified.rows);
   constexpr std::size_t k_many = 4;  // one in so many

@@ -21,8 +21,8 @@ struct NextStep {
 
 /// One thing that a verdict comes from.
 struct VerdictCause {
-  std::string kind;  ///< docs/howto/report.md lists them
-  std::string sentence;
+  std::string kind = {};  ///< docs/howto/report.md lists them
+  std::string sentence = {};
   std::vector<int> specimens = {};        ///< numbers of those that it is seen in
   std::vector<std::string> outputs = {};  ///< the same
   NextStep next = {};

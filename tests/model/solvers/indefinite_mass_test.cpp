@@ -34,7 +34,7 @@ SymmetricMatrix sparse(SparseMatrix lower) {
 }
 
 /// A chain held at one end, of unit masses; m moves mass from its last 40 rows to the others: 1 - 0.8 m stay there.
-StructureModel chain_of_matrices(bool reduces, double mean = 0.6) {
+StructureModel chain_of_matrices(bool reduces, double mean = 0.6, double trained_to = 1.6) {
   std::vector<Eigen::Triplet<double>> springs, masses, moved;
   for (int i = 0; i < static_cast<int>(k_size); ++i) {
     springs.emplace_back(i, i, i + 1 < static_cast<int>(k_size) ? 2.0 : 1.0);
@@ -52,7 +52,7 @@ StructureModel chain_of_matrices(bool reduces, double mean = 0.6) {
   system.parts.push_back({.name = "moved", .mass = matrix(moved)});
   MatrixModel model = bind_parameters(system, {{"m", {"M:moved"}}}, VectorXd::Constant(1, mean));
   std::optional<ReductionSettings> reduction;
-  if (reduces) reduction = {.prior = {model.reference, VectorXd::LinSpaced(60, 0.1, 1.6)}};
+  if (reduces) reduction = {.prior = {model.reference, VectorXd::LinSpaced(60, 0.1, trained_to)}};
   return {make_sparse_solver(std::make_unique<MatrixStructure>(std::move(model.pencil), model.reference),
                              std::move(reduction)),
           {.frequencies = {1, 2, 3}},
@@ -71,6 +71,14 @@ TEST_P(IndefiniteMass, FailsTheSamplesThatHaveItAndNoOthers) {
               fmt::format("the mass matrix is not positive semidefinite: the diagonal entry of row 501 is {:.6g}",
                           1.0 - 0.8 * samples(failure.sample)));
   }
+  EXPECT_EQ(static_cast<Index>(found.failures.size()), (samples.array() > 1.25).count());
+  EXPECT_EQ((found.outputs.array().isNaN().rowwise().any()).count(), (samples.array() > 1.25).count());
+}
+
+TEST(IndefiniteMass, BeyondTheTrainingFailsItsOwnSamplesAlone) {
+  // The basis is trained further on samples that it does not serve: those without modes must not end the run.
+  const VectorXd samples = VectorXd::LinSpaced(120, 0.7, 1.6);
+  const Evaluation found = chain_of_matrices(true, 0.15, 0.2).evaluate(samples, {});
   EXPECT_EQ(static_cast<Index>(found.failures.size()), (samples.array() > 1.25).count());
   EXPECT_EQ((found.outputs.array().isNaN().rowwise().any()).count(), (samples.array() > 1.25).count());
 }
