@@ -87,7 +87,8 @@ class AnySolverTest(support.CommandTest):
             expected = json.loads(self.succeed("check", "study.toml", "--json", *chosen).out)["expected_runs"]
             self.log.unlink()
             self.succeed("update", "study.toml", "--out", method, "--quiet", *chosen)
-            self.assertLess(abs(math.log(expected / len(self.runs()))), math.log(2.0), f"{method}: {expected}, {len(self.runs())}")
+            # Fewer where the specimens' derivatives hold from one iteration to the next.
+            self.assertTrue(0.5 < expected / len(self.runs()) < 4.0, f"{method}: {expected}, {len(self.runs())}")
             self.assertIn(f"the update would take about {expected} runs", (self.folder / method / "mottle.log").read_text())
 
     def test_check_says_that_a_population_takes_as_many_runs_as_its_sampler_starts_with(self):
@@ -159,7 +160,7 @@ class AnySolverTest(support.CommandTest):
         self.write("study.toml", STUDY + "\n[surrogate]\nruns = 20\n")
         self.succeed("update", "study.toml", "--out", "whole", *maximum_likelihood)
         whole = len(self.runs())
-        self.assertLess(4 * whole, direct)
+        self.assertLess(3 * whole, direct)
         parameters = {name: read_result(self.folder / name)["parameters"] for name in ("direct", "whole")}
         for key in ("mean", "std"):
             for own, expected in zip(parameters["whole"][key], parameters["direct"][key]):

@@ -128,7 +128,8 @@ class Diagnose(support.CommandTest):
         examples = support.SOURCE / "examples"
         tests = examples / "05-uff-population" / "specimens"
         (self.folder / "study.toml").unlink()
-        self.succeed("init", examples / "02-airframe" / "airframe.bdf", tests, "--yes", "--out", "study.toml")
+        self.succeed("init", examples / "02-airframe" / "airframe.bdf", tests, "--yes", "--out", "study.toml",
+                     "--targets", "PSHELL:1:T,MAT1:1:E,MAT1:2:E,PSHELL:4:T,PBUSH:102:K4")
         with open(self.folder / "study.toml", "a", encoding="utf-8") as study:
             study.write('\n[[parameter]]\nname = "K4_101"\ntarget = "PBUSH:101:K4"\n'
                         'distribution = { kind = "normal", mean = 1e5, std = 2e4 }\n'

@@ -113,9 +113,10 @@ def read_result(folder):
 
 
 def numbers(folder):
-    """result.json without its timings, as text that is compared byte by byte."""
+    """result.json without its timings and the study's digest, as text that is compared byte by byte."""
     result = read_result(folder)
     result.pop("timings_s")
+    result.pop("study_files", None)
     return json.dumps(result, indent=1)
 
 
