@@ -161,7 +161,7 @@ def test_a_deep_recursion_in_the_model_ends_as_python_ends_it():
     ([Parameter("k", 1.0, 0.1, unit="\ud800")], "unit"),
     ([Parameter("k", 1.0, 0.1, unit=3)], "unit"),
     ([Parameter(3, 1.0, 0.1)], "has no name"),
-    ([Parameter("k", 1.0, 0.1, scale=None)], "scale"),
+    ([Parameter("k", 1.0, 0.1, scale=3)], "scale"),
     ([Parameter("k", 1.0, 0.1, distribution=None)], "distribution"),
     ([Parameter("k", np.float64("nan"), 0.1)], "mean: nan"),
     ([Parameter("k", np.array([1.0, 2.0]), 0.1)], "mean: "),
