@@ -159,7 +159,7 @@ void LinearExplanation::estimate_noise() {
   constexpr std::array k_factors{0.5, 0.8, 0.95, 1.05, 1.25, 2.0};
   std::vector<double> levels(problem_->typical_noise.begin(), problem_->typical_noise.end());
   std::ranges::sort(levels);
-  levels.erase(std::ranges::unique(levels).begin(), levels.end());
+  levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
   for (const double level : levels) {
     const Eigen::VectorXd start = noise_;
     Eigen::VectorXd best = noise_;

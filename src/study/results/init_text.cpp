@@ -95,7 +95,7 @@ bool has_few_specimens(const InitOutcome& outcome) {
 
 std::string update_text(const InitOutcome& outcome) {
   if (outcome.specimens >= 2) {
-    const std::string text = "\n[update]\nmethod = \"maximum-likelihood\"\n";
+    std::string text = "\n[update]\nmethod = \"maximum-likelihood\"\n";
     if (!has_few_specimens(outcome)) return text;
     return text +
            fmt::format("covariance = \"diagonal\"   # {} specimens are too few for correlations of the parameters\n",

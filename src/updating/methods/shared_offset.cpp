@@ -2,6 +2,7 @@
 
 #include "mottle/linalg/dense/decompositions.hpp"
 #include "mottle/stats/moments/descriptive.hpp"
+#include "updating/methods/matched_residuals.hpp"
 #include "updating/population/mean_intervals.hpp"
 
 namespace mottle::updating {
