@@ -52,8 +52,6 @@ class LinearExplanation {
   /// Expected mu of the chosen given the tests, 0 of the others [number].
   Eigen::VectorXd expected_mean() const;
   const Eigen::VectorXd& noise() const { return noise_; }  ///< standard deviation [output]
-  /// Gamma of the chosen, in their order.
-  const std::vector<double>& variances() const { return variances_; }
 
  private:
   void update_factors();

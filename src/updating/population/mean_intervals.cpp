@@ -1,10 +1,11 @@
 #include "updating/population/mean_intervals.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "mottle/stats/population/population_intervals.hpp"
 #include "mottle/updating/methods/iteration.hpp"
+#include "updating/population/population_report.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -56,12 +57,8 @@ Eigen::MatrixXd covariance_of_mean(const TestData& tests, const MeanEstimator& e
 }
 
 ParameterIntervals intervals_of_mean(const TestData& tests, const MeanEstimator& estimator) {
-  constexpr double k_tail = 0.025;
-  constexpr double k_nearly_normal = 1e9;
   const Eigen::Index q = estimator.mean.size();
   const double degrees_of_freedom = degrees_of_freedom_of(tests, estimator);
-  const Eigen::MatrixXd covariance = covariance_of_mean(tests, estimator);
-  const Eigen::MatrixXd known = known_part(tests, estimator);
   ParameterIntervals intervals{.mean = Eigen::MatrixXd::Constant(q, 2, k_nan),
                                .std = Eigen::MatrixXd::Constant(q, 2, k_nan),
                                .correlation_lower = Eigen::MatrixXd::Constant(q, q, k_nan),
@@ -70,14 +67,19 @@ ParameterIntervals intervals_of_mean(const TestData& tests, const MeanEstimator&
   intervals.correlation_lower.diagonal().setOnes();
   intervals.correlation_upper.diagonal().setOnes();
   if (degrees_of_freedom < 1.0) return intervals;
+  const Eigen::MatrixXd covariance = covariance_of_mean(tests, estimator);
+  const Eigen::MatrixXd known = known_part(tests, estimator);
+  // One parameter at a time: nothing is known of their scatter, and nothing asked.
   for (Eigen::Index i = 0; i < q; ++i) {
-    const double variance = covariance(i, i);
-    const double own = variance - known(i, i);
-    if (!(variance > 0.0)) continue;
-    const double ratio = own > 0.0 ? variance / own : std::sqrt(k_nearly_normal);
-    const boost::math::students_t t(std::min(degrees_of_freedom * ratio * ratio, k_nearly_normal));
-    const double half = boost::math::quantile(complement(t, k_tail)) * std::sqrt(variance);
-    intervals.mean.row(i) << estimator.mean(i) - half, estimator.mean(i) + half;
+    if (!(covariance(i, i) > 0.0)) continue;
+    const auto of = [i](const Eigen::MatrixXd& matrix) { return Eigen::MatrixXd(matrix.block(i, i, 1, 1)); };
+    const PopulationEvidence evidence{.mean = estimator.mean.segment(i, 1),
+                                      .total = of(covariance),
+                                      .noise = Eigen::MatrixXd::Zero(1, 1),
+                                      .mean_covariance = of(covariance),
+                                      .degrees_of_freedom = Eigen::MatrixXd::Constant(1, 1, degrees_of_freedom),
+                                      .mean_shared = of(known)};
+    intervals.mean.row(i) = population_intervals(evidence, {ParameterTransform{}}, k_confidence).mean;
   }
   return intervals;
 }

@@ -28,13 +28,13 @@ StudyModel make_model(const Study& study, const StudyParameters& parameters, con
 
 struct PairedSpecimen;
 
-/// The tests of a study, columns in the order of the model's outputs.
 /// Something in the tests that is probably mistaken, and is used as it is.
 struct TestDoubt {
   std::string kind;  ///< "mistaken-values", "mistaken-columns", "mode-order", "unlike-shapes", "repeated-specimens"
   std::string sentence;
 };
 
+/// The tests of a study, columns in the order of the model's outputs.
 struct StudyTests {
   TestData data;
   std::string file = {};           ///< that they were read from, the first of several
