@@ -20,13 +20,32 @@ constexpr double k_min_length = 1e-4;      // of a step, below which it is given
 constexpr double k_nearly_at_rest = 1e-3;  // where a model that answers within a tolerance may stay
 constexpr int k_patience = 6;              // steps that small
 
+/// Where the model fails all around a specimen, its derivative there is what its steps have made of the one at its
+/// start, at the start the mean of the other specimens'; its fit has then not converged.
+void replace_failed(const std::vector<Eigen::MatrixXd>& until_now, SpecimenFits& fits) {
+  Eigen::MatrixXd sum;
+  double count = 0.0;
+  for (const Eigen::MatrixXd& jacobian : fits.jacobians) {
+    if (!jacobian.allFinite()) continue;
+    sum = count > 0.0 ? Eigen::MatrixXd(sum + jacobian) : jacobian;
+    count += 1.0;
+  }
+  for (std::size_t s = 0; s < fits.jacobians.size(); ++s) {
+    Eigen::MatrixXd& jacobian = fits.jacobians[s];
+    if (jacobian.allFinite()) continue;
+    if (until_now.empty() && count == 0.0) throw ModelFailure("the model fails at all points around the specimens");
+    const Eigen::MatrixXd other = until_now.empty() ? Eigen::MatrixXd(sum / count) : until_now[s];
+    jacobian = jacobian.array().isFinite().select(jacobian, other);
+    fits.converged[s] = false;
+  }
+}
+
 /// The Jacobians of all specimens where they are.
 void differentiate(const UpdatingProblem& problem, const ScaledParameters& parameters, const RunContext& context,
                    std::int64_t& evaluations, SpecimenFits& fits) {
+  const std::vector<Eigen::MatrixXd> until_now = std::move(fits.jacobians);
   fits.jacobians = scaled_jacobians(problem, parameters, fits.points, fits.outputs, context, evaluations);
-  for (const Eigen::MatrixXd& jacobian : fits.jacobians) {
-    if (!jacobian.allFinite()) throw ModelFailure("the model fails at all points around a specimen's parameters");
-  }
+  replace_failed(until_now, fits);
 }
 
 /// Specimens whose Jacobians at the start are good where they are now.
@@ -60,9 +79,16 @@ void differentiate_again(const UpdatingProblem& problem, const ScaledParameters&
   }
   if (anew.empty()) return;
   SpecimenFits moved{.points = fits.points(anew, Eigen::all), .outputs = fits.outputs(anew, Eigen::all)};
+  for (const Eigen::Index s : anew) {
+    moved.jacobians.push_back(fits.jacobians[static_cast<std::size_t>(s)]);
+    moved.converged.push_back(fits.converged[static_cast<std::size_t>(s)]);
+  }
   differentiate(problem, parameters, context, evaluations, moved);
-  for (std::size_t k = 0; k < anew.size(); ++k)
-    fits.jacobians[static_cast<std::size_t>(anew[k])] = std::move(moved.jacobians[k]);
+  for (std::size_t k = 0; k < anew.size(); ++k) {
+    const auto s = static_cast<std::size_t>(anew[k]);
+    fits.jacobians[s] = std::move(moved.jacobians[k]);
+    fits.converged[s] = moved.converged[k];
+  }
 }
 
 /// What is minimised for one specimen, and the Gauss-Newton step towards it.

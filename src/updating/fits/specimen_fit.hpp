@@ -54,7 +54,7 @@ struct SpecimenStart {
 /// @param values       tests [specimen x output], nan: missing
 /// @param population   what holds them
 /// @param evaluations  raised by the model runs that were needed
-/// @throws SystemFailure  the model fails at a specimen's start, or all around its end
+/// @throws SystemFailure  the model fails at a specimen's start, or all around the starts of all
 /// Source: [Lindstrom1990].
 SpecimenFits fit_specimens(const UpdatingProblem& problem, const Eigen::Ref<const Eigen::MatrixXd>& values,
                            const HoldingPopulation& population, const SpecimenStart& start, const RunContext& context,
