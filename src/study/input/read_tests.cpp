@@ -14,6 +14,7 @@
 #include "study/tests/column_pairing.hpp"
 #include "study/tests/doubtful_frequencies.hpp"
 #include "study/tests/missing_output.hpp"
+#include "study/tests/mistaken_sensors.hpp"
 #include "study/tests/pair_modes.hpp"
 #include "study/tests/pair_tests.hpp"
 #include "study/tests/repeated_specimens.hpp"
@@ -36,11 +37,13 @@ void pair_rows(const Study& study, const StructureModel& model, const std::vecto
     if (!is_paired) {
       std::string turned = turn_shapes(values, model.selection(), reference, numbers);
       if (!turned.empty()) tests.notes.push_back(std::move(turned));
-      std::string unlike = unlike_shapes(values, model.selection(), reference, numbers);
-      if (!unlike.empty()) tests.doubts.push_back({"unlike-shapes", std::move(unlike)});
-      return;
+    } else {
+      for (std::string& note : pair_tests(values, model.selection(), reference, numbers)) tests.notes.push_back(note);
     }
-    for (std::string& note : pair_tests(values, model.selection(), reference, numbers)) tests.notes.push_back(note);
+    TestDoubt doubt{"mistaken-sensors", mistaken_sensors(values, model.selection(), reference)};
+    if (doubt.sentence.empty() && !is_paired)
+      doubt = {"unlike-shapes", unlike_shapes(values, model.selection(), reference, numbers)};
+    if (!doubt.sentence.empty()) tests.doubts.push_back(std::move(doubt));
   } catch (const InvalidInput& error) {
     throw InvalidInput(located(study, error));
   }
@@ -182,6 +185,7 @@ Eigen::MatrixXd values_of_modes(const Study& study, const StructureModel& model,
     PairedModes paired =
         pair_modes(model, specimens, study.test->pairing.value_or(TestPairing::mac) == TestPairing::mac);
     for (std::string& note : paired.notes) tests.notes.push_back(std::move(note));
+    if (!paired.mistaken_sensors.empty()) tests.doubts.push_back({"mistaken-sensors", paired.mistaken_sensors});
     tests.pairing = std::move(paired.table);
     tests.specimens = std::make_shared<const std::vector<PairedSpecimen>>(std::move(paired.specimens));
     return paired.values;

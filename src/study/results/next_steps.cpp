@@ -39,6 +39,10 @@ NextStep checked_tests(const SummarySources& s, const TestDoubt& doubt) {
         "Pairs the columns with the model's modes by frequency; look first whether columns of the tests are "
         "exchanged.");
   }
+  if (doubt.kind == "mistaken-sensors") {
+    return {"", "Look at the test's set-up; if it was so, exchange the columns of these sensors, or reverse the sign, in "
+                "the tests."};
+  }
   return {"", "Check these tests: their values, units and columns, and which modes they are."};
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "study/input/first_few.hpp"
+#include "study/tests/mistaken_sensors.hpp"
 #include "study/tests/specimen_pairing.hpp"
 
 namespace mottle::study {
@@ -56,6 +57,16 @@ struct Table {
   }
 };
 
+/// "105:+Z", in the node's own axes where it has some.
+std::vector<std::string> sensors_of(const MeasuredModes& modes) {
+  std::vector<std::string> names;
+  for (const MeasuredComponent& one : modes.components) {
+    names.push_back(one.name.empty() ? fmt::format("{}:+{}{}", one.node, one.is_rotation ? "R" : "", "XYZ"[one.axis])
+                                     : one.name);
+  }
+  return names;
+}
+
 void add_note(std::vector<std::string>& notes, const char* what, const std::vector<std::string>& remarks) {
   if (!remarks.empty()) notes.push_back(fmt::format("{}: {}.", what, first_few(remarks)));
 }
@@ -71,6 +82,7 @@ PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredMo
   std::vector<std::string> doubtful;
   std::vector<std::string> unknown;
   std::vector<std::string> unsized;
+  std::vector<ComparedShape> shapes;
   for (std::size_t s = 0; s < specimens.size(); ++s) {
     MeasuredModes modes = specimens[s];
     if (by_mac && modes.has_own_axes) settle_axes(model, modes, paired.notes);
@@ -87,8 +99,12 @@ PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredMo
       if (row.verdict == "missing") missing.push_back(name);
       if (row.verdict == "doubtful") doubtful.push_back(fmt::format("{} ({})", name, row.reason));
     }
+    if (by_mac && sensors_of(modes) == sensors_of(specimens.front())) {
+      for (ComparedShape& shape : pairing.compared_shapes()) shapes.push_back(std::move(shape));
+    }
     paired.specimens.push_back({std::move(modes), pairing.assigned()});
   }
+  if (!shapes.empty()) paired.mistaken_sensors = mistaken_sensors(shapes, sensors_of(specimens.front()));
   paired.table = table.csv();
   add_note(paired.notes, "Modes that were not found", missing);
   add_note(paired.notes, "Doubtful pairs, used nevertheless", doubtful);

@@ -22,13 +22,15 @@ struct PairedModes {
   Eigen::MatrixXd values = {};          ///< [specimen x StructureModel::measured()]; nan: not measured
   std::string table = {};               ///< CSV: a row for each mode of the outputs and each measured mode that is none
   std::vector<std::string> notes = {};  ///< what is missing, doubtful or left out
+  std::string mistaken_sensors = {};    ///< a sentence, see mistaken_sensors(); empty: none are
   std::vector<PairedSpecimen> specimens = {};
 };
 
 /// Pairs every specimen's modes with the reference's by MAC at the measured components and optimal assignment, or by
 /// rank in frequency.
 ///
-/// A pair whose MAC is below `minimum_mac` of the outputs is none. A pair is doubtful where its MAC is below 0.8, where
+/// A pair whose MAC is below `minimum_mac` of the outputs is none, unless the two belong to close modes whose shapes have
+/// mixed (close_modes()). A pair is doubtful where its MAC is below 0.8, where
 /// another mode comes within 0.1 of it, or where the modal phase collinearity is below 0.9. Shapes get the reference's
 /// sign; where their size is free they are scaled to the reference by least squares, where it is data those without
 /// modal mass are not used. An output's component is taken where the measured directions at its node span it.

@@ -22,44 +22,6 @@ constexpr double k_sure_collinearity = 0.9;
 constexpr double k_alike_scale = 2.0;
 constexpr double k_alike_frequency = 2.0;
 
-/// Directions of the model's components at a node, which the file gives in the global frame.
-Eigen::Matrix3d model_directions(const StructureModel& model, int node) {
-  const FiniteElementModel* mesh = model.structure().mesh();
-  const int index = mesh == nullptr ? -1 : mesh->find_node(node);
-  if (index < 0) return Eigen::Matrix3d::Identity();
-  const Node& point = mesh->nodes[static_cast<std::size_t>(index)];
-  if (point.displacement_system < 0) return Eigen::Matrix3d::Identity();
-  return mesh->coordinate_systems[static_cast<std::size_t>(point.displacement_system)].directions_at(point.position);
-}
-
-LinearCombination terms_of(const StructureModel& model, const MeasuredComponent& component) {
-  constexpr double k_rounding = 1e-5;  // of axes written with six digits
-  LinearCombination terms;
-  if (!component.name.empty()) {
-    const int slot = model.structure().find_degree_of_freedom(component.name);
-    if (slot >= 0) terms.emplace_back(slot, component.sign);
-    return terms;
-  }
-  const Eigen::Vector3d weights = model_directions(model, component.node).transpose() * component.direction;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (std::abs(weights(axis)) < k_rounding) continue;
-    const int slot = model.structure().find_degree_of_freedom(
-        fmt::format("{}:+{}{}", component.node, component.is_rotation ? "R" : "", "XYZ"[axis]));
-    if (slot < 0) return {};
-    terms.emplace_back(slot, weights(axis));
-  }
-  return terms;
-}
-
-std::vector<Eigen::Index> measured_rows(const ShapeComparison& comparison, const MeasuredModes& modes,
-                                        Eigen::Index mode) {
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index k = 0; k < modes.shapes.rows(); ++k) {
-    if (!comparison.terms[static_cast<std::size_t>(k)].empty() && !std::isnan(modes.shapes(k, mode))) rows.push_back(k);
-  }
-  return rows;
-}
-
 /// Modes of the outputs, counted from 1, ascending.
 std::set<int> output_modes(const StructureModel& model) {
   std::set<int> modes;
@@ -69,16 +31,15 @@ std::set<int> output_modes(const StructureModel& model) {
   return modes;
 }
 
-/// Measured mode of each reference mode, counted from 0; absent: none.
-std::map<int, Eigen::Index> assign_by_mac(const Eigen::MatrixXd& mac, double minimum) {
+/// Measured mode of each reference mode, counted from 0, by the largest sum of MAC; absent: none.
+std::map<int, Eigen::Index> assign_by_mac(const Eigen::MatrixXd& mac) {
   const bool is_wide = mac.rows() <= mac.cols();
   const std::vector<int> pairs = optimal_assignment(is_wide ? mac : Eigen::MatrixXd(mac.transpose()));
   std::map<int, Eigen::Index> assigned;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const int reference = is_wide ? static_cast<int>(k) : pairs[k];
     const int test = is_wide ? pairs[k] : static_cast<int>(k);
-    const double agreement = mac(reference, test);
-    if (agreement >= minimum && agreement > 0.0) assigned.emplace(reference, test);
+    if (mac(reference, test) > 0.0) assigned.emplace(reference, test);
   }
   return assigned;
 }
@@ -95,6 +56,14 @@ std::map<int, Eigen::Index> assign_by_order(const Eigen::VectorXd& frequencies, 
   return assigned;
 }
 
+/// ", together with mode 6, which is close, 0.98".
+std::string together_text(const CloseModes& close) {
+  std::vector<std::string> others;
+  for (auto mode = close.modes.begin() + 1; mode != close.modes.end(); ++mode)
+    others.push_back(fmt::format("{}", *mode + 1));
+  return fmt::format(", together with mode {} close by {:.2f}", join(others), close.mac);
+}
+
 /// Largest entry of a vector but one.
 double largest_other(const Eigen::VectorXd& values, Eigen::Index but) {
   double largest = 0.0;
@@ -106,33 +75,10 @@ double largest_other(const Eigen::VectorXd& values, Eigen::Index but) {
 
 }  // namespace
 
-ShapeComparison compare_shapes(const StructureModel& model, const MeasuredModes& modes) {
-  return compare_shapes(model, model.reference_modes().shapes, modes);
-}
-
-ShapeComparison compare_shapes(const StructureModel& model, const Eigen::Ref<const Eigen::MatrixXd>& shapes,
-                               const MeasuredModes& modes) {
-  ShapeComparison comparison;
-  comparison.reference = Eigen::MatrixXd::Zero(modes.shapes.rows(), shapes.cols());
-  for (Eigen::Index k = 0; k < modes.shapes.rows(); ++k) {
-    comparison.terms.push_back(terms_of(model, modes.components[static_cast<std::size_t>(k)]));
-    comparison.seen += comparison.terms.back().empty() ? 0 : 1;
-    for (const auto& [slot, weight] : comparison.terms.back()) {
-      comparison.reference.row(k) += weight * model.structure().displacements(shapes, {slot});
-    }
-  }
-  comparison.cosines.resize(shapes.cols(), modes.shapes.cols());
-  for (Eigen::Index t = 0; t < modes.shapes.cols(); ++t) {
-    const std::vector<Eigen::Index> rows = measured_rows(comparison, modes, t);
-    comparison.cosines.col(t) = shape_cosines(comparison.reference(rows, Eigen::all), modes.shapes(rows, t));
-  }
-  return comparison;
-}
-
 double total_mac(const StructureModel& model, const MeasuredModes& modes) {
   const Eigen::MatrixXd mac = compare_shapes(model, modes).cosines.cwiseAbs2();
   double total = 0.0;
-  for (const auto& [reference, test] : assign_by_mac(mac, 0.0)) total += mac(reference, test);
+  for (const auto& [reference, test] : assign_by_mac(mac)) total += mac(reference, test);
   return total;
 }
 
@@ -142,8 +88,37 @@ SpecimenPairing::SpecimenPairing(const StructureModel& model, const MeasuredMode
           "{}: none of its {} measured degrees of freedom is in the model, so its modes cannot be paired by shape",
           modes.file, modes.components.size());
   mac_ = comparison_.cosines.cwiseAbs2();
-  assigned_ = by_mac ? assign_by_mac(mac_, model.selection().minimum_mac)
-                     : assign_by_order(modes.frequencies, output_modes(model));
+  assigned_ = by_mac ? assign_by_mac(mac_) : assign_by_order(modes.frequencies, output_modes(model));
+  if (by_mac) leave_out_unlike();
+}
+
+/// Pairs that are too unlike, alone and together with the modes that they have mixed with, are none.
+void SpecimenPairing::leave_out_unlike() {
+  const Eigen::VectorXd frequencies = natural_frequencies_hz(model_.reference_modes().eigenvalues.cwiseMax(0.0));
+  const std::map<int, Eigen::Index> pairs = assigned_;
+  const double minimum = model_.selection().minimum_mac;
+  for (const auto& [reference, test] : pairs) {
+    if (mac_(reference, test) >= minimum) continue;
+    CloseModes close = close_modes(reference, pairs, {comparison_.reference, frequencies},
+                                   {modes_.shapes, modes_.frequencies});
+    if (close.mac < std::max(minimum, k_sure_mac)) {
+      assigned_.erase(reference);
+    } else {
+      mixed_[reference] = std::move(close);
+    }
+  }
+}
+
+std::vector<ComparedShape> SpecimenPairing::compared_shapes() const {
+  std::vector<ComparedShape> shapes;
+  for (const auto& [reference, test] : assigned_) {
+    ComparedShape shape{reference + 1, modes_.shapes.col(test), comparison_.reference.col(reference)};
+    for (std::size_t k = 0; k < comparison_.terms.size(); ++k) {
+      if (comparison_.terms[k].empty()) shape.measured(static_cast<Eigen::Index>(k)) = k_not_measured;
+    }
+    shapes.push_back(std::move(shape));
+  }
+  return shapes;
 }
 
 void SpecimenPairing::fill(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const {
@@ -160,7 +135,9 @@ void SpecimenPairing::fill(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<
 std::string SpecimenPairing::doubt(int reference, Eigen::Index test) const {
   std::vector<std::string> doubts;
   if (comparison_.seen > 0 && mac_(reference, test) < k_sure_mac) {
-    doubts.push_back(fmt::format("MAC {:.2f}", mac_(reference, test)));
+    const auto mixed = mixed_.find(reference);
+    doubts.push_back(fmt::format("MAC {:.2f}{}", mac_(reference, test),
+                                 mixed == mixed_.end() ? "" : together_text(mixed->second)));
   }
   if (comparison_.seen > 0 && second(reference, test) > mac_(reference, test) - k_min_lead) {
     doubts.push_back(fmt::format("another mode has MAC {:.2f}", second(reference, test)));
@@ -248,7 +225,7 @@ double SpecimenPairing::second(int reference, Eigen::Index test) const {
 
 /// Factor by which the measured shape is nearest to the reference's (least squares).
 double SpecimenPairing::fitted_scale(int reference, Eigen::Index test) const {
-  const std::vector<Eigen::Index> rows = measured_rows(comparison_, modes_, test);
+  const std::vector<Eigen::Index> rows = comparison_.measured_rows(modes_, test);
   const Eigen::VectorXd shape = modes_.shapes(rows, test);
   return shape.dot(comparison_.reference(rows, reference)) / shape.squaredNorm();
 }

@@ -3,31 +3,16 @@
 
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "mottle/dynamics/modes/close_modes.hpp"
 #include "mottle/layers.hpp"
 #include "mottle/model/structure_model.hpp"
 #include "study/tests/measured_modes.hpp"
+#include "study/tests/mistaken_sensors.hpp"
+#include "study/tests/shape_comparison.hpp"
 
 namespace mottle::study {
-
-/// A measured component as a sum of the model's degrees of freedom; empty: the model does not have it.
-using LinearCombination = std::vector<std::pair<int, double>>;
-
-/// What of one specimen the model sees.
-struct ShapeComparison {
-  std::vector<LinearCombination> terms;  ///< [component]
-  Eigen::MatrixXd reference;  ///< the model's shapes there; zero where it has no such component [component x mode]
-  Eigen::Index seen = 0;      ///< components that the model has
-  Eigen::MatrixXd cosines;    ///< [reference mode x measured mode]
-};
-
-ShapeComparison compare_shapes(const StructureModel& model, const MeasuredModes& modes);
-
-/// The same with other shapes of the model than its reference's [equation x mode].
-ShapeComparison compare_shapes(const StructureModel& model, const Eigen::Ref<const Eigen::MatrixXd>& shapes,
-                               const MeasuredModes& modes);
 
 /// Sum of MAC over the pairs of an optimal assignment.
 double total_mac(const StructureModel& model, const MeasuredModes& modes);
@@ -49,12 +34,15 @@ class SpecimenPairing {
   Eigen::Index unknown_components() const { return modes_.shapes.rows() - comparison_.seen; }
   void fill(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) const;
   std::vector<PairingRow> rows() const;
+  /// The paired shapes, at the measured components that the model has.
+  std::vector<ComparedShape> compared_shapes() const;
   /// Modes, counted from 1, whose shapes are outputs but have no modal mass where their size is data.
   std::vector<int> modes_without_size() const;
   /// Measured mode of each reference mode, both counted from 0.
   const std::map<int, Eigen::Index>& assigned() const { return assigned_; }
 
  private:
+  void leave_out_unlike();
   std::string doubt(int reference, Eigen::Index test) const;
   double value_of(const Quantity& output, Eigen::Index test, double scale) const;
   double second(int reference, Eigen::Index test) const;
@@ -68,6 +56,7 @@ class SpecimenPairing {
   ShapeComparison comparison_;
   Eigen::MatrixXd mac_;
   std::map<int, Eigen::Index> assigned_;  // measured mode of each reference mode
+  std::map<int, CloseModes> mixed_;       // those that are paired together with others alone, by the reference's mode
 };
 
 }  // namespace mottle::study

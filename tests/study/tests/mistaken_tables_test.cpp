@@ -227,8 +227,8 @@ TEST(MistakenTable, IsDoubtedWhereASensorIsUpsideDownInAllRows) {
     row[7] = -row[7];
   });
   const std::string said = folder.check();
-  EXPECT_THAT(said, HasSubstr("warning: Shapes that are unlike the model's"));
-  EXPECT_THAT(said, HasSubstr("With the other sign of m2 they are alike"));
+  EXPECT_THAT(said, HasSubstr("warning: The shapes of 2 modes agree far better"));
+  EXPECT_THAT(said, HasSubstr("if the sign of sensor m2 is reversed"));
 }
 
 TEST(MistakenTable, IsDoubtedWhereAComponentHasAWrongSignInOneRow) {

@@ -126,6 +126,33 @@ TEST(PairModes, SaysWhatIsDoubtfulMissingAndLeftOut) {
   EXPECT_THAT(paired.table, HasSubstr("a.uff,left out,it fits no mode well enough"));
 }
 
+// Modes at 10 and 10.5 Hz turned by 40 degrees: MAC 0.59 each, and the plane of both is the model's.
+TEST(PairModes, PairsCloseModesThatHaveMixedByWhatTheySpan) {
+  MassSpringSystem system;
+  OutputSelection outputs{.frequencies = {1, 2}, .minimum_mac = 0.7};
+  const double frequencies[] = {1.0, 1.05, 3.0, 4.0};
+  for (int k = 0; k < 4; ++k) {
+    system.masses.push_back({std::string("m") + "1234"[k], 1.0});
+    system.springs.push_back({std::string("k") + "1234"[k], k_ground, k, std::pow(frequencies[k], 2) * stiffness(1)});
+  }
+  const StructureModel close{separate(system, {{"k1", {"spring:k1"}, false}}), outputs,
+                             Eigen::VectorXd::Constant(1, stiffness(1))};
+  const double c = std::cos(0.7);
+  const double s = std::sin(0.7);
+  MeasuredModes modes{.file = "a.uff",
+                      .frequencies = Eigen::Vector2d(10.1, 10.4),
+                      .damping = Eigen::Vector2d::Constant(std::nan("")),
+                      .shapes = (Eigen::MatrixXd(4, 2) << c, -s, s, c, 0.01, 0.01, 0.01, 0.01).finished(),
+                      .collinearity = Eigen::Vector2d::Ones(),
+                      .is_scaled = {true, true}};
+  for (const auto& mass : system.masses) modes.components.push_back({.name = mass.name});
+  const PairedModes paired = pair_modes(close, {modes}, true);
+  EXPECT_EQ(paired.values, Eigen::RowVector2d(10.1, 10.4));
+  EXPECT_THAT(paired.notes, ElementsAre(HasSubstr("specimen 1 mode 1 (MAC 0.58, together with mode 2 close by 1.00")));
+  modes.shapes.col(1) << -s, 0.0, c, 0.0;  // into the third mode: nothing close
+  EXPECT_TRUE(pair_modes(close, {modes}, true).values.hasNaN());
+}
+
 TEST(PairModes, DoubtsAModalMassThatIsFarFromTheModels) {
   const PairedModes paired = pair_modes(model(), {measured(Eigen::Matrix3d::Identity(), 7.0 * k_swapped)}, true);
   ASSERT_EQ(paired.notes.size(), 1U);

@@ -30,7 +30,7 @@ struct PairedSpecimen;
 
 /// Something in the tests that is probably mistaken, and is used as it is.
 struct TestDoubt {
-  std::string kind;  ///< "mistaken-values", "mistaken-columns", "mode-order", "unlike-shapes", "repeated-specimens"
+  std::string kind;  ///< as of causes[].kind of result.json, see docs/howto/report.md
   std::string sentence;
 };
 
