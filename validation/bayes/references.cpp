@@ -21,6 +21,7 @@
 #include "mottle/updating/estimate/posterior.hpp"
 #include "mottle/updating/methods/bayes.hpp"
 #include "support/bayes_references.hpp"
+#include "support/bayes_shapes.hpp"
 #include "support/bayes_three_masses.hpp"
 
 namespace {
@@ -76,8 +77,8 @@ Found sample(const SamplingSettings& settings, std::uint64_t seed) {
   return found;
 }
 
-Found update(const test::OneTestOfThreeMasses& one, const BayesOptions& options, std::uint64_t seed) {
-  const UpdatingResult result = BayesUpdater(options).update(one.problem(), {.seed = seed, .threads = 1});
+Found update(const UpdatingProblem& problem, const BayesOptions& options, std::uint64_t seed) {
+  const UpdatingResult result = BayesUpdater(options).update(problem, {.seed = seed, .threads = 1});
   Found found{.evidence = result.posterior->evidence, .mean = result.mean};
   found.standard_deviation = result.covariance.diagonal().cwiseSqrt();
   found.correlation = result.covariance(0, 1) / (found.standard_deviation(0) * found.standard_deviation(1));
@@ -85,6 +86,16 @@ Found update(const test::OneTestOfThreeMasses& one, const BayesOptions& options,
   found.has_converged = result.status == UpdatingStatus::converged;
   add_stages(*result.posterior, found);
   return found;
+}
+
+test::ShapedPosterior shaped(const std::string& name) {
+  if (name == "permuted-3") return test::permuted_modes(3, 0.003);
+  if (name == "permuted-4") return test::permuted_modes(4, 0.01);
+  if (name == "banana") return test::banana(1.0, 0.05);
+  if (name == "banana-thin") return test::banana(1.0, 0.005);
+  if (name == "banana-bent") return test::banana(2.0, 0.01);
+  throw InvalidInput(
+      "CASE is k6-3, k6-3.5, no-k6, beck-au, eigenvalues, permuted-3, permuted-4, banana, banana-thin or banana-bent");
 }
 
 Case make_case(const std::string& name, const SamplingSettings& settings) {
@@ -99,9 +110,11 @@ Case make_case(const std::string& name, const SamplingSettings& settings) {
     if (model != name) continue;
     const auto one = std::make_shared<test::OneTestOfThreeMasses>(reference.k6);
     const BayesOptions options{.particles = settings.particles, .effective_fraction = settings.effective_fraction};
-    return {reference.log_evidence, [=](std::uint64_t seed) { return update(*one, options, seed); }};
+    return {reference.log_evidence, [=](std::uint64_t seed) { return update(one->problem(), options, seed); }};
   }
-  throw InvalidInput("CASE is k6-3, k6-3.5, no-k6, beck-au or eigenvalues");
+  const BayesOptions options{.particles = settings.particles, .effective_fraction = settings.effective_fraction};
+  const auto shape = std::make_shared<const test::ShapedPosterior>(shaped(name));
+  return {shape->log_evidence, [=](std::uint64_t seed) { return update(shape->problem(), options, seed); }};
 }
 
 std::string list(const Eigen::VectorXd& values) {

@@ -73,6 +73,12 @@ NextStep more_starts(const SummarySources& s) {
 }
 
 NextStep more_iterations(const SummarySources& s) {
+  if (s.result.posterior) {
+    return {
+        is_given(s) ? "" : command_of(s, "update"),
+        "After allowing the sampler more model runs, or giving it fewer particles: it ended before it had reached the "
+        "posterior."};
+  }
   if (is_given(s)) return {"", "The update did not converge: allow more iterations, or start nearer to the solution."};
   return {command_of(s, "update", fmt::format("--set update.iterations={}", 2 * s.problem.iterations)),
           "The update did not converge: allow more iterations, or start nearer to the solution."};

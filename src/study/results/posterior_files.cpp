@@ -1,5 +1,8 @@
 #include "study/results/posterior_files.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "mottle/formats/tables/csv.hpp"
 #include "study/results/posterior_curves.hpp"
 
@@ -58,6 +61,15 @@ void add_predictive_accuracy(const SampledPosterior& posterior, Json& json) {
   json["not_left_out"] = posterior.not_left_out.empty() ? Json(nullptr) : Json(posterior.not_left_out);
 }
 
+/// Power of the likelihood that all islands have reached: 1 is the posterior.
+double smallest_exponent(const SampledPosterior& posterior) {
+  double smallest = 1.0;
+  for (const std::vector<SamplingStage>& stages : posterior.stages) {
+    smallest = std::min(smallest, stages.empty() ? 0.0 : stages.back().exponent);
+  }
+  return smallest;
+}
+
 }  // namespace
 
 std::string posterior_csv(const SampledPosterior& posterior) {
@@ -107,15 +119,16 @@ void add_posterior(const SampledPosterior* posterior, const TestData& tests, Jso
   result["modes"] = Json::array();
   if (posterior == nullptr) return;
   const Evidence& evidence = posterior->evidence;
-  result["evidence"] = {{"ln_evidence", number_json(evidence.log_evidence)},
-                        {"standard_error", number_json(evidence.standard_error)},
-                        {"degrees_of_freedom", evidence.degrees_of_freedom},
-                        {"ci95", {number_json(evidence.lower), number_json(evidence.upper)}},
-                        {"source", evidence.source == EvidenceSource::islands ? "islands" : "importance-sampling"},
-                        {"spread", number_json(evidence.spread)},
-                        {"islands", to_json(posterior->chain_log_evidence)},
-                        {"noise_std", given_noise_json(tests)},
-                        {"model_error_std", to_json(tests.model_error_variance().cwiseSqrt())}};
+  if (std::isfinite(evidence.log_evidence))
+    result["evidence"] = {{"ln_evidence", number_json(evidence.log_evidence)},
+                          {"standard_error", number_json(evidence.standard_error)},
+                          {"degrees_of_freedom", evidence.degrees_of_freedom},
+                          {"ci95", {number_json(evidence.lower), number_json(evidence.upper)}},
+                          {"source", evidence.source == EvidenceSource::islands ? "islands" : "importance-sampling"},
+                          {"spread", number_json(evidence.spread)},
+                          {"islands", to_json(posterior->chain_log_evidence)},
+                          {"noise_std", given_noise_json(tests)},
+                          {"model_error_std", to_json(tests.model_error_variance().cwiseSqrt())}};
   std::vector<std::string> names = posterior->names;
   names.emplace_back("log_likelihood");
   Json stages = Json::array();
@@ -128,6 +141,7 @@ void add_posterior(const SampledPosterior* posterior, const TestData& tests, Jso
                          {"ess_bulk", to_json(posterior->ess_bulk)},
                          {"ess_tail", to_json(posterior->ess_tail)},
                          {"model_evaluations", posterior->evaluations},
+                         {"exponent", smallest_exponent(*posterior)},
                          {"gradients", posterior->gradients},
                          {"trajectories", posterior->trajectories()},
                          {"divergences", posterior->divergences()},

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
+#include "mottle/core/subject.hpp"
 #include "mottle/core/text.hpp"
 #include "mottle/updating/estimate/posterior.hpp"
 #include "mottle/updating/estimate/sample_estimate.hpp"
@@ -105,14 +107,37 @@ void judge_reach(const EvidenceAboutBest& about_best, const Evidence& islands, U
   result.warnings.push_back(std::move(text));
 }
 
+/// Of a part of the likelihood: it says nothing about the model.
+void withhold_evidence(Evidence& evidence) {
+  constexpr double k_unknown = std::numeric_limits<double>::quiet_NaN();
+  evidence.log_evidence = evidence.standard_error = evidence.lower = evidence.upper = evidence.spread = k_unknown;
+}
+
+void require_evaluations(const BayesOptions& options) {
+  const int least = 2 * options.islands * options.particles;
+  require_of(options.max_evaluations == 0 || options.max_evaluations >= least,
+             {Subject::Kind::option, "bayes.max_evaluations"},
+             "{} model runs are too few: {} islands of {} particles need {} for the start and one move; allow more, or "
+             "take fewer particles (bayes.particles)",
+             options.max_evaluations, options.islands, options.particles, least);
+}
+
+std::optional<double> known_evidence(const SampledPosterior& posterior) {
+  const double value = posterior.evidence.log_evidence;
+  return std::isfinite(value) ? std::optional<double>(value) : std::nullopt;
+}
+
 /// The better evidence, and what it says of the draws.
 void conclude(const std::optional<EvidenceAboutBest>& about_best, const BayesOptions& options,
               const std::vector<SampledIsland>& islands, SampledPosterior& posterior, UpdatingResult& result) {
   const bool is_finished = std::ranges::all_of(islands, &SampledIsland::is_finished);
+  const bool is_reached = smallest_exponent(posterior) >= 1.0;
+  if (!is_reached) withhold_evidence(posterior.evidence);
   const Evidence of_islands = posterior.evidence;
-  if (about_best && is_better(*about_best, posterior)) take_importance_evidence(*about_best, posterior.evidence);
+  if (is_reached && about_best && is_better(*about_best, posterior))
+    take_importance_evidence(*about_best, posterior.evidence);
   conclude_sampling(posterior, "bayes", options, is_finished, result);
-  if (about_best) judge_reach(*about_best, of_islands, result);
+  if (is_reached && about_best) judge_reach(*about_best, of_islands, result);
 }
 
 PosteriorPeak peak_at(const UpdatingProblem& problem, const std::vector<SampledIsland>& islands, Eigen::Index draw,
@@ -164,7 +189,11 @@ std::shared_ptr<SampledPosterior> put_together(const UpdatingProblem& problem, c
 const OptionTable<BayesOptions>& bayes_option_table() {
   static const OptionTable<BayesOptions> table = [] {
     OptionTable<BayesOptions> made;
-    return add_sampling_options(made).choice<GradientMoves>(
+    add_sampling_options(made).integer_or(
+        "max_evaluations", &BayesOptions::max_evaluations, {.lower = 1600.0, .upper = 2e9}, "unlimited", 0,
+        "Largest number of model runs of the sampler. A run that reaches it ends there and says how much of the "
+        "likelihood it had taken in; the outputs of the draws take `islands` times `particles` runs more.");
+    return made.choice<GradientMoves>(
         "gradients", &BayesOptions::gradients,
         {{"automatic", GradientMoves::automatic}, {"always", GradientMoves::always}, {"never", GradientMoves::never}},
         "Moves along gradients of the likelihood, where the model has derivatives that are no dearer than "
@@ -176,6 +205,7 @@ const OptionTable<BayesOptions>& bayes_option_table() {
 UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunContext& context) const {
   constexpr double k_fine_fraction = 0.8;  // ln Z was 0.03 too low with 0.5, beside a second mode
   require_draws("bayes", options_);
+  require_evaluations(options_);
   const TestMoments tests = test_moments(problem.tests);
   const NoiseLevels noise(problem, options_);
   const CommonLikelihood likelihood(problem.tests);
@@ -205,9 +235,9 @@ UpdatingResult BayesUpdater::update(const UpdatingProblem& problem, const RunCon
                           target.target(), context, result.model_evaluations);
   result.model_evaluations += target.evaluations();
   conclude(about_best, options_, islands, *posterior, result);
-  result.set_estimate(std::make_shared<SampleEstimate>(
-      problem.space.transforms(), posterior->values.leftCols(problem.space.count()), Eigen::VectorXd(),
-      posterior->evidence.log_evidence, least_effective(*posterior)));
+  result.set_estimate(
+      std::make_shared<SampleEstimate>(problem.space.transforms(), posterior->values.leftCols(problem.space.count()),
+                                       Eigen::VectorXd(), known_evidence(*posterior), least_effective(*posterior)));
   append_state(result, record_state(near.problem(), tests, *result.estimate, context));
   result.noise_covariance = mean_noise(noise, posterior->values.rightCols(noise.count())).asDiagonal();
   result.posterior = posterior;

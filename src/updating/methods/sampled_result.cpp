@@ -50,7 +50,32 @@ std::vector<std::string> doubts_of(const SampledPosterior& posterior, const std:
   return doubts;
 }
 
+/// What a run that ended at max_evaluations has, in words.
+std::string reached_within(const SampledPosterior& posterior, const std::string& method, const BayesOptions& options) {
+  const std::string end = fmt::format("ended at {}.max_evaluations = {} after {} model runs", method,
+                                      options.max_evaluations, posterior.evaluations);
+  const double exponent = smallest_exponent(posterior);
+  if (exponent >= 1.0) {
+    return end +
+           ": the whole likelihood counts and the evidence is complete, but the last stage's moves are not, so that "
+           "the "
+           "draws may still resemble each other";
+  }
+  return fmt::format(
+      "{}, before the posterior was reached: the draws are of prior times likelihood to the power {:.2g}, which is "
+      "wider than the posterior, and there is no evidence",
+      end, exponent);
+}
+
 }  // namespace
+
+double smallest_exponent(const SampledPosterior& posterior) {
+  double smallest = 1.0;
+  for (const std::vector<SamplingStage>& stages : posterior.stages) {
+    smallest = std::min(smallest, stages.empty() ? 0.0 : stages.back().exponent);
+  }
+  return smallest;
+}
 
 void require_draws(const std::string& method, const BayesOptions& options) {
   constexpr int k_max_draws = 2000000;
@@ -65,6 +90,7 @@ SamplingSettings settings_of(const BayesOptions& options, double effective_fract
           .effective_fraction = options.effective_fraction > 0.0 ? options.effective_fraction : effective_fraction,
           .decorrelation = options.decorrelation,
           .max_moves = options.max_moves,
+          .max_evaluations = options.max_evaluations,
           .gradients = options.gradients};
 }
 
@@ -75,7 +101,9 @@ void conclude_sampling(const SampledPosterior& posterior, const std::string& met
   const char* const source = evidence.source == EvidenceSource::islands ? "" : " by importance sampling";
   if (!is_finished) {
     result.status = UpdatingStatus::max_iterations;
-    result.message = "the stages ran out before the whole likelihood counted";
+    result.message = options.max_evaluations > 0 ? reached_within(posterior, method, options)
+                                                 : "the stages ran out before the whole likelihood counted";
+    result.warnings.push_back(result.message);
     return;
   }
   result.warnings.insert(result.warnings.end(), doubts.begin(), doubts.end());

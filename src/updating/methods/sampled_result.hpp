@@ -57,10 +57,13 @@ void require_draws(const std::string& method, const BayesOptions& options);
 SamplingSettings settings_of(const BayesOptions& options,
                              double effective_fraction = SamplingSettings{}.effective_fraction);
 
+/// Power of the likelihood under which all draws at least are: 1 where the posterior was reached.
+double smallest_exponent(const SampledPosterior& posterior);
+
 /// Status, message and warnings of a result: whether the islands are one sample.
 ///
 /// @param method       whose options a message names
-/// @param is_finished  no island ran out of stages
+/// @param is_finished  no island ran out of stages or evaluations
 void conclude_sampling(const SampledPosterior& posterior, const std::string& method, const BayesOptions& options,
                        bool is_finished, UpdatingResult& result);
 

@@ -85,7 +85,7 @@ std::vector<CorrectedIsland> sample_corrected(const SamplingTarget& target, cons
   require(settings.particles <= k_max_particles, "particles: {} is more than {}", settings.particles, k_max_particles);
   SamplingSettings of_cheap = settings;
   of_cheap.last_stage_factor = 1;  // its particles are no draws yet
-  const Islands islands = run_islands(target, of_cheap, context);
+  const Islands islands = run_islands(target, of_cheap, context, Forecast::not_told);
   std::vector<std::unique_ptr<CorrectedWalk>> walks;
   Walks working;
   for (std::size_t i = 0; i < islands.size(); ++i) {

@@ -128,21 +128,33 @@ void Island::begin_stage() {
 
 /// Copies of particles, and the mixtures that moves are drawn from.
 void Island::start_from(const std::vector<Eigen::Index>& parents) {
+  constexpr double k_few = 0.9;  // of the mixture's draws: else more components can bring little
   found_.points = found_.points(parents, Eigen::all).eval();
   found_.log_likelihood = found_.log_likelihood(parents).eval();
   gradient_ = gradient_(parents, Eigen::all).eval();
   start_points_ = found_.points;
-  start_log_likelihood_ = found_.log_likelihood;
+  for (std::size_t k = 0; k < 2; ++k) {
+    starts_of_half_[k] = StageStart(start_points_(rows_of_half(k), Eigen::all), found_.log_likelihood(rows_of_half(k)));
+  }
   accepted_ = 0.0;
   if (follows_gradients_) trajectories_.fit(found_.points);
+  const bool accepts_few = global_moves_[1] < k_few * global_moves_[0];
   for (std::uint32_t k = 0; k < 2; ++k) {
-    mixtures_[k] = std::make_unique<const NormalMixture>(found_.points(rows_of_half(k), Eigen::all),
-                                                         stream(StreamPurpose::posterior_proposal, 0, k));
+    const Eigen::Index before = mixtures_[k] ? mixtures_[k]->normal_components() : 0;
+    mixtures_[k] = std::make_unique<const NormalMixture>(
+        found_.points(rows_of_half(k), Eigen::all), stream(StreamPurpose::posterior_proposal, 0, k),
+        NormalMixture::Size{.components = before, .may_grow = accepts_few});
   }
+  global_moves_ = {};
   log_mixture_.resize(found_.points.rows());
   for (Eigen::Index i = 0; i < log_mixture_.size(); ++i) {
     log_mixture_(i) = mixture_for(i).log_density(found_.points.row(i).transpose());
   }
+}
+
+void Island::give_up() {
+  is_done_ = true;
+  found_.is_finished = false;
 }
 
 void Island::begin_walk(const std::vector<Eigen::Index>& parents) {
@@ -207,17 +219,9 @@ double Island::correlation_by_chance() const {
   return -standard_normal_quantile(0.5 * k_level / count) / std::sqrt(static_cast<double>(found_.points.rows()));
 }
 
-/// Of a half's coordinates, of their squares about the mean, which see the tails, and of the log-likelihood.
 double Island::correlation_with_start(std::size_t k) const {
   const auto rows = rows_of_half(k);
-  double largest = std::abs(correlation_of(start_log_likelihood_(rows).array(), found_.log_likelihood(rows).array()));
-  for (Eigen::Index j = 0; j < start_points_.cols(); ++j) {
-    const Eigen::ArrayXd start = start_points_.col(j)(rows).array() - start_points_.col(j)(rows).mean();
-    const Eigen::ArrayXd now = found_.points.col(j)(rows).array() - found_.points.col(j)(rows).mean();
-    largest = std::max(
-        {largest, std::abs(correlation_of(start, now)), std::abs(correlation_of(start.square(), now.square()))});
-  }
-  return largest;
+  return starts_of_half_[k].correlation_with(found_.points(rows, Eigen::all), found_.log_likelihood(rows));
 }
 
 }  // namespace mottle::updating

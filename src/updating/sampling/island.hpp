@@ -11,6 +11,7 @@
 #include "mottle/layers.hpp"
 #include "mottle/updating/sampling/sequential_monte_carlo.hpp"
 #include "updating/sampling/normal_mixture.hpp"
+#include "updating/sampling/stage_correlation.hpp"
 #include "updating/sampling/trajectories.hpp"
 
 namespace mottle::updating {
@@ -31,6 +32,9 @@ class Island {
 
   const Eigen::MatrixXd& points() const { return found_.points; }
   const SampledIsland& found() const { return found_; }
+
+  /// Ends where it is, between two turns.
+  void give_up();
 
   /// Goes on, when it is done, from copies of its particles: each further turn is one Metropolis step under the whole
   /// likelihood, with proposals that do not change any more. Such steps, any number of them in a row, are reversible.
@@ -91,7 +95,7 @@ class Island {
   SampledIsland found_;
 
   Eigen::MatrixXd start_points_;  // of the stage, after resampling
-  Eigen::VectorXd start_log_likelihood_;
+  std::array<StageStart, 2> starts_of_half_ = {};
   /// Of the first and of the second half of the particles, each for the moves of the other half: a proposal that is
   /// fitted to what it moves pulls it together.
   std::array<std::unique_ptr<const NormalMixture>, 2> mixtures_;
@@ -107,7 +111,8 @@ class Island {
   Eigen::VectorXd proposed_log_mixture_;  // at them
   Eigen::VectorXd thresholds_;            // ln of the uniforms that decide
   std::vector<Move> kinds_;
-  Eigen::MatrixXd gradient_;  // of ln L at the particles; nan: not known
+  std::array<double, 2> global_moves_ = {};  // of the stage: tried, accepted
+  Eigen::MatrixXd gradient_;                 // of ln L at the particles; nan: not known
   Trajectories trajectories_;
   std::vector<Eigen::Index> asked_;  // particles whose proposals are possible, and may be accepted
   Eigen::MatrixXd asked_points_;

@@ -141,6 +141,8 @@ void Island::adapt(const std::vector<double>& tried, const std::vector<double>& 
     const auto k = static_cast<std::size_t>(kind);
     return tried[k] > 0.0 ? accepted[k] / tried[k] : k_wanted_acceptance;
   };
+  global_moves_[0] += tried[static_cast<std::size_t>(Move::global)];
+  global_moves_[1] += accepted[static_cast<std::size_t>(Move::global)];
   global_share_ = std::clamp(2.0 * rate(Move::global), k_least_share, k_most_share);
   local_step_ = std::clamp(local_step_ * std::exp(rate(Move::local) - k_wanted_acceptance), k_smallest_step, 1.0);
   difference_step_ =

@@ -12,19 +12,33 @@ namespace mottle::updating {
 namespace {
 
 constexpr Eigen::Index k_max_fitted = 500;  // particles: more make the fit dearer, not the moves better
-constexpr Eigen::Index k_max_components = 4;
-constexpr double k_per_number = 10.0;  // particles for each number of a component
+constexpr Eigen::Index k_first_components = 4;
+constexpr double k_per_number = 10.0;           // particles for each number of the first components
+constexpr Eigen::Index k_max_components = 64;   // each costs time at every proposal
+constexpr Eigen::Index k_least_particles = 10;  // of a component, on average: its shape is mostly that of all
 constexpr int k_sweeps = 12;
 constexpr double k_inflation = 1.3;      // of variances: a proposal that is too narrow is worse than one too wide
 constexpr double k_wide_weight = 0.1;    // of the last component
 constexpr int k_degrees_of_freedom = 3;  // and of its t: the fewest with a variance
 constexpr double k_smallest = 1e-12;     // of a variance's own, added to it
 
-Eigen::Index component_count(Eigen::Index particles, Eigen::Index dimension) {
+/// Weight, mean and covariance of a component.
+double numbers_of_component(Eigen::Index dimension) {
   const auto d = static_cast<double>(dimension);
-  const double numbers = 1.0 + d + 0.5 * d * (d + 1.0);
-  const auto affordable = static_cast<Eigen::Index>(static_cast<double>(particles) / (k_per_number * numbers));
-  return std::clamp<Eigen::Index>(affordable, 1, k_max_components);
+  return 1.0 + d + 0.5 * d * (d + 1.0);
+}
+
+Eigen::Index first_component_count(Eigen::Index particles, Eigen::Index dimension) {
+  const auto affordable =
+      static_cast<Eigen::Index>(static_cast<double>(particles) / (k_per_number * numbers_of_component(dimension)));
+  return std::clamp<Eigen::Index>(affordable, 1, k_first_components);
+}
+
+/// Particles for each different one: copies, which follow each other, are one observation.
+double copies_of(const Eigen::MatrixXd& points) {
+  Eigen::Index different = 1;
+  for (Eigen::Index row = 1; row < points.rows(); ++row) different += points.row(row) != points.row(row - 1) ? 1 : 0;
+  return static_cast<double>(points.rows()) / static_cast<double>(different);
 }
 
 Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& points, const Eigen::VectorXd& mean,
@@ -57,16 +71,35 @@ double log_t_constant(double degrees_of_freedom, double dimension) {
          0.5 * dimension * std::log(degrees_of_freedom * std::numbers::pi);
 }
 
-NormalMixture::NormalMixture(const Eigen::Ref<const Eigen::MatrixXd>& points, RandomStream stream) {
+NormalMixture::NormalMixture(const Eigen::Ref<const Eigen::MatrixXd>& points, RandomStream stream, Size size) {
   const Eigen::MatrixXd fitted = thinned(points);
   const Eigen::VectorXd equal = Eigen::VectorXd::Constant(points.rows(), 1.0 / static_cast<double>(points.rows()));
   mean_ = points.colwise().mean();
   covariance_ = covariance_of(points, mean_, equal);
-  start(fitted, stream);
-  if (parts_.size() > 1) {
-    for (int sweep = 0; sweep < k_sweeps; ++sweep) improve(fitted);
-  }
+  fit(fitted, stream, size);
   widen();
+}
+
+/// Twice as many components as long as Akaike's criterion is for them: many modes and bent ridges need many.
+void NormalMixture::fit(const Eigen::MatrixXd& points, RandomStream& stream, Size size) {
+  const Eigen::Index most = size.may_grow ? std::min(k_max_components, points.rows() / k_least_particles) : 0;
+  const double price = copies_of(points) * numbers_of_component(points.cols());
+  std::vector<Part> best;
+  double best_criterion = -std::numeric_limits<double>::infinity();
+  const Eigen::Index first =
+      size.components > 0 ? size.components : first_component_count(points.rows(), points.cols());
+  for (Eigen::Index count = first;; count *= 2) {
+    start(points, count, stream);
+    double criterion = 0.0;
+    for (int sweep = 0; sweep < k_sweeps && (sweep == 0 || count > 1); ++sweep) {
+      criterion = improve(points) - price * static_cast<double>(count);
+    }
+    if (!(criterion > best_criterion)) break;
+    best = parts_;
+    best_criterion = criterion;
+    if (2 * count > most) break;
+  }
+  parts_ = std::move(best);
 }
 
 void NormalMixture::factorise(Part& part) const {
@@ -88,8 +121,8 @@ void NormalMixture::factorise(Part& part) const {
 }
 
 /// Means at particles, each drawn in proportion to its squared distance from those before it.
-void NormalMixture::start(const Eigen::MatrixXd& points, RandomStream& stream) {
-  const Eigen::Index count = component_count(points.rows(), points.cols());
+void NormalMixture::start(const Eigen::MatrixXd& points, Eigen::Index count, RandomStream& stream) {
+  parts_.clear();
   Part part{.weight = 1.0 / static_cast<double>(count), .mean = mean_, .covariance = covariance_};
   if (count == 1) {
     factorise(part);
@@ -136,26 +169,34 @@ double NormalMixture::log_parts(const Eigen::Ref<const Eigen::VectorXd>& x, std:
   return largest;
 }
 
-void NormalMixture::improve(const Eigen::MatrixXd& points) {
-  Eigen::MatrixXd shares(points.rows(), components());
-  std::vector<double> logs;
-  for (Eigen::Index s = 0; s < points.rows(); ++s) {
-    const double largest = log_parts(points.row(s).transpose(), logs);
-    for (Eigen::Index k = 0; k < components(); ++k)
-      shares(s, k) = std::exp(logs[static_cast<std::size_t>(k)] - largest);
-    shares.row(s) /= shares.row(s).sum();
+/// One sweep; returns ln g of all points before it. All points at once: this is what a fit spends its time on.
+double NormalMixture::improve(const Eigen::MatrixXd& points) {
+  Eigen::ArrayXXd shares(points.rows(), components());
+  for (Eigen::Index k = 0; k < components(); ++k) {
+    const Part& part = parts_[static_cast<std::size_t>(k)];
+    const Eigen::MatrixXd whitened = (points.rowwise() - part.mean.transpose()) * part.inverse.transpose();
+    shares.col(k) = part.log_scale - 0.5 * whitened.rowwise().squaredNorm().array();
   }
+  const Eigen::ArrayXd largest = shares.rowwise().maxCoeff();
+  shares = (shares.colwise() - largest).exp();
+  const Eigen::ArrayXd sums = shares.rowwise().sum();
+  shares.colwise() /= sums;
   const double borrowed = static_cast<double>(points.cols()) + 2.0;  // particles' worth of the common shape
-  const double narrower = std::pow(static_cast<double>(components()), -2.0 / static_cast<double>(points.cols()));
+  Eigen::MatrixXd common = Eigen::MatrixXd::Zero(points.cols(), points.cols());
   for (Eigen::Index k = 0; k < components(); ++k) {
     Part& part = parts_[static_cast<std::size_t>(k)];
     const double count = shares.col(k).sum();
     part.weight = (count + 1.0) / static_cast<double>(points.rows() + components());
-    if (count > 1e-6) part.mean = points.transpose() * shares.col(k) / count;
-    part.covariance =
-        (covariance_of(points, part.mean, shares.col(k)) + borrowed * narrower * covariance_) / (count + borrowed);
+    if (count > 1e-6) part.mean = points.transpose() * shares.col(k).matrix() / count;
+    part.covariance = covariance_of(points, part.mean, shares.col(k).matrix());
+    common += part.covariance / static_cast<double>(points.rows());
+  }
+  for (Eigen::Index k = 0; k < components(); ++k) {
+    Part& part = parts_[static_cast<std::size_t>(k)];
+    part.covariance = (part.covariance + borrowed * common) / (shares.col(k).sum() + borrowed);
     factorise(part);
   }
+  return (largest + sums.log()).sum();
 }
 
 void NormalMixture::widen() {

@@ -16,16 +16,24 @@ double log_t_constant(double degrees_of_freedom, double dimension);
 /// g(x) = sum_k w_k N(x; m_k, C_k) + w t_3(x; m, C), the last with mean and covariance of all particles.
 class NormalMixture {
  public:
+  /// How many normal components there are.
+  struct Size {
+    Eigen::Index components = 0;  ///< 0: up to 4, by the number of particles
+    bool may_grow = true;         ///< are doubled as long as Akaike's criterion is for it
+  };
+
   /// Fits by expectation-maximisation, begun at particles drawn far from each other. Few particles take their shape
-  /// from all (their covariance is shrunk towards that of all). Student's t is for what the others miss: a region of
-  /// few particles, which one half of an island may hold and the other not, has a density there that is not far
-  /// below the target's, so that particles leave it.
+  /// from the others (their covariance is shrunk towards the mean over the components). Student's t is for what the
+  /// others miss: a region of few particles, which one half of an island may hold and the other not, has a density
+  /// there that is not far below the target's, so that particles leave it.
   ///
   /// @param points  [particle x dimension], at least 2 of them different in every dimension
   /// @param stream  draws the start
-  NormalMixture(const Eigen::Ref<const Eigen::MatrixXd>& points, RandomStream stream);
+  NormalMixture(const Eigen::Ref<const Eigen::MatrixXd>& points, RandomStream stream, Size size);
 
   Eigen::Index components() const { return static_cast<Eigen::Index>(parts_.size()); }
+  /// All but Student's t.
+  Eigen::Index normal_components() const { return components() - 1; }
   double weight(Eigen::Index component) const { return parts_[static_cast<std::size_t>(component)].weight; }
 
   /// ln g(x).
@@ -55,8 +63,9 @@ class NormalMixture {
   };
 
   void factorise(Part& part) const;
-  void start(const Eigen::MatrixXd& points, RandomStream& stream);
-  void improve(const Eigen::MatrixXd& points);
+  void fit(const Eigen::MatrixXd& points, RandomStream& stream, Size size);
+  void start(const Eigen::MatrixXd& points, Eigen::Index count, RandomStream& stream);
+  double improve(const Eigen::MatrixXd& points);
   void widen();
   double squared_distance(const Part& part, const Eigen::Ref<const Eigen::VectorXd>& x) const;
   /// ln (w_k N_k(x)) of every component, and the largest.

@@ -1,12 +1,17 @@
 #include "mottle/updating/sampling/sequential_monte_carlo.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/parallel.hpp"
 #include "updating/sampling/island_batches.hpp"
+#include "updating/sampling/run_forecast.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -26,6 +31,9 @@ void require_settings(const SamplingTarget& target, const SamplingSettings& sett
           settings.max_moves, k_max_steps);
   require(settings.max_stages >= 1 && settings.max_stages <= k_max_steps, "max_stages: {} is outside 1 to {}",
           settings.max_stages, k_max_steps);
+  const std::int64_t start = std::int64_t{settings.islands} * settings.particles;
+  require(settings.max_evaluations == 0 || settings.max_evaluations >= start,
+          "max_evaluations: {} is less than the {} particles of the start", settings.max_evaluations, start);
 }
 
 bool goes_on(const SamplingTarget& target, const Islands& islands) {
@@ -56,6 +64,33 @@ void evaluate(const SamplingTarget& target, const std::vector<Island*>& islands,
   });
 }
 
+/// Whether the next batch, of one point for each particle at most, may be more than is allowed.
+bool may_exceed(const SamplingSettings& settings, std::int64_t evaluations, std::size_t islands) {
+  const std::int64_t batch = static_cast<std::int64_t>(islands) * settings.particles;
+  return settings.max_evaluations > 0 && evaluations + batch > settings.max_evaluations;
+}
+
+/// Tells the observer after each stage how many evaluations are expected.
+class ExpectedRuns {
+ public:
+  explicit ExpectedRuns(const RunContext& context) : context_(context) {}
+  void tell(const Islands& islands, const SamplingSettings& settings, std::int64_t evaluations) {
+    std::size_t stages = 0;
+    for (const auto& island : islands) stages += island->found().stages.size();
+    if (stages == stages_) return;
+    const std::optional<double> total = expected_evaluations(islands, settings, evaluations);
+    if (!total) return;
+    const std::string text = fmt::format("about {:.2g} million model runs expected in all", 1e-6 * *total);
+    if (stages_ == 0) context_.finding(text);
+    context_.detail(text);
+    stages_ = stages;
+  }
+
+ private:
+  const RunContext& context_;
+  std::size_t stages_ = 0;  // of all islands, when it was told last
+};
+
 }  // namespace
 
 Eigen::MatrixXd stacked(const std::vector<const Eigen::MatrixXd*>& parts, Eigen::Index columns) {
@@ -71,13 +106,15 @@ Eigen::MatrixXd stacked(const std::vector<const Eigen::MatrixXd*>& parts, Eigen:
 }
 
 /// One batch without gradients, one with them.
-void advance(const SamplingTarget& target, const std::vector<Island*>& working, int threads) {
+std::int64_t advance(const SamplingTarget& target, const std::vector<Island*>& working, int threads) {
   std::vector<const Eigen::MatrixXd*> asked(working.size());
   parallel_for(static_cast<std::int64_t>(working.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
     for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
       asked[i] = &working[i]->propose();
     }
   });
+  std::int64_t evaluations = 0;
+  for (const Eigen::MatrixXd* points : asked) evaluations += points->rows();
   for (const bool with_gradient : {false, true}) {
     std::vector<Island*> islands;
     std::vector<const Eigen::MatrixXd*> theirs;
@@ -88,6 +125,7 @@ void advance(const SamplingTarget& target, const std::vector<Island*>& working, 
     }
     if (!islands.empty()) evaluate(target, islands, theirs, threads);
   }
+  return evaluations;
 }
 
 bool follows_gradients(const SamplingTarget& target, const SamplingSettings& settings) {
@@ -95,21 +133,29 @@ bool follows_gradients(const SamplingTarget& target, const SamplingSettings& set
   return settings.gradients == GradientMoves::always || target.dimension > k_many_dimensions;
 }
 
-Islands run_islands(const SamplingTarget& target, const SamplingSettings& settings, const RunContext& context) {
+Islands run_islands(const SamplingTarget& target, const SamplingSettings& settings, const RunContext& context,
+                    Forecast forecast) {
   require_settings(target, settings);
   Islands islands;
   for (int i = 0; i < settings.islands; ++i) {
     islands.push_back(std::make_unique<Island>(target, settings, context.seed, static_cast<std::uint32_t>(i)));
   }
+  ExpectedRuns expected(context);
+  std::int64_t evaluations = 0;
   for (bool is_first = true;; is_first = false) {
     std::vector<Island*> working;
     for (const auto& island : islands) {
       if (!island->is_done()) working.push_back(island.get());
     }
     if (working.empty()) break;
+    if (may_exceed(settings, evaluations, working.size())) {
+      for (Island* island : working) island->give_up();
+      break;
+    }
     context.throw_if_stopped();
     if (!is_first && !goes_on(target, islands)) throw Stopped("stopped on request");
-    advance(target, working, context.threads);
+    evaluations += advance(target, working, context.threads);
+    if (forecast == Forecast::told) expected.tell(islands, settings, evaluations);
   }
   return islands;
 }
@@ -117,7 +163,7 @@ Islands run_islands(const SamplingTarget& target, const SamplingSettings& settin
 std::vector<SampledIsland> sample_posterior(const SamplingTarget& target, const SamplingSettings& settings,
                                             const RunContext& context) {
   std::vector<SampledIsland> found;
-  for (const auto& island : run_islands(target, settings, context)) found.push_back(island->take());
+  for (const auto& island : run_islands(target, settings, context, Forecast::told)) found.push_back(island->take());
   return found;
 }
 

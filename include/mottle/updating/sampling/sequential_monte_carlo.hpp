@@ -24,6 +24,7 @@ struct SamplingSettings {
   double decorrelation = 0.1;       ///< a half moves until no correlation of the other with its start is larger
   int max_moves = 200;              ///< of a stage, at most
   int max_stages = 500;
+  std::int64_t max_evaluations = 0;  ///< likelihoods of all islands together, at least those of the start; 0: no limit
   /// Times as many moves as decorrelate are those of the last stage, whose particles are the draws and which is one of
   /// many.
   int last_stage_factor = 4;
@@ -83,7 +84,7 @@ struct SampledIsland {
   Eigen::VectorXd log_likelihood;  ///< [particle]
   double log_evidence = 0.0;
   std::vector<SamplingStage> stages;
-  bool is_finished = true;  ///< false: stages ran out
+  bool is_finished = true;  ///< false: stages or evaluations ran out
 };
 
 /// Where an evidence comes from.
@@ -107,9 +108,12 @@ struct Evidence : EstimatedEvidence {
 /// 3. Metropolis steps of three kinds, each of which leaves the target as it is: draws of a normal mixture g that is
 ///    fitted to particles, moves within the component that a particle belongs to (both accepted by p / g), and
 ///    steps along differences of two particles (accepted by p), for each half of the particles by those of the other.
-///    They go on until no coordinate, no square of one and not the log-likelihood is correlated with the stage's
-///    start, and in the last stage for three times as long again.
+///    They go on until no coordinate, no distance of one from its median and not the log-likelihood is correlated with
+///    the stage's start, by normal scores of their ranks, and in the last stage for three times as long again.
 ///    In many dimensions three of four steps are Hamiltonian trajectories along gradients instead.
+///
+/// Where the next batch might exceed `max_evaluations`, islands end where they are, unfinished. The observer hears, as
+/// soon as all islands have finished a stage and with each further one, how many evaluations are expected in all.
 ///
 /// Islands share batches of evaluations and nothing else. Every random number is named by (seed, purpose, island,
 /// stage, step, particle): the result is the same at any number of threads.
