@@ -1,6 +1,8 @@
 // Posteriors with many modes and with bent ridges, whose evidence and moments are integrals over one parameter each.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -13,6 +15,8 @@
 #include "mottle/updating/methods/updater.hpp"
 
 namespace mottle::test {
+
+using namespace updating;  // of which these are the tests
 
 /// One test of a function of parameters, with what quadrature says of the posterior.
 struct ShapedPosterior {

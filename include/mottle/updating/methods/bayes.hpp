@@ -21,7 +21,7 @@ struct BayesOptions {
   int particles = 1000;
   double effective_fraction = 0.0;  // automatic
   double decorrelation = 0.1;
-  int max_moves = 1000;  // 200 ended stages of 5 % of seeds before they had decorrelated where a mode vanishes
+  int max_moves = 1000;     // 200 ended stages of 5 % of seeds before they had decorrelated where a mode vanishes
   int max_evaluations = 0;  // no limit
   GradientMoves gradients = GradientMoves::automatic;
 };
