@@ -47,7 +47,7 @@ ProposedUnits units_of(const CalculixDeck& deck, const std::vector<std::string>&
     if (target.starts_with("*ELASTIC:")) moduli.push_back(value_of(deck, target));
     if (target.starts_with("*DENSITY:")) densities.push_back(value_of(deck, target));
   }
-  return propose_units(std::move(moduli), std::move(densities));
+  return propose_units(moduli, densities);
 }
 
 /// Slopes of the modes of a group, of one frequency f0 but for the rounding of a solver's matrices, in ascending order:

@@ -9,6 +9,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/stats/moments/robust.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 #include "study/jobs/table_shapes.hpp"
 #include "study/tests/pair_by_frequency.hpp"
@@ -24,17 +25,10 @@ constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_alike = 0.7;  // MAC
 constexpr double k_far = 0.15;   // relative difference of frequencies
 
-/// Standard deviation by the median absolute deviation, which an outlier does not raise; of few values the usual one.
-double robust_std(std::vector<double> values, double standard_deviation) {
-  constexpr std::size_t k_fewest = 6;
-  constexpr double k_normal = 1.4826;  // of a normal sample's standard deviation to its median absolute deviation
-  if (values.size() < k_fewest) return standard_deviation;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  const double median = *middle;
-  for (double& value : values) value = std::abs(value - median);
-  std::ranges::nth_element(values, middle);
-  return std::min(standard_deviation, k_normal * *middle);
+/// Standard deviation that an outlier does not raise; of few values the usual one.
+double robust_std(const Eigen::VectorXd& values, double standard_deviation) {
+  constexpr Eigen::Index k_fewest = 6;
+  return values.size() < k_fewest ? standard_deviation : std::min(standard_deviation, robust_deviation(values));
 }
 
 /// Mean, scatter and count of the values that there are.
@@ -45,11 +39,11 @@ void add_values(const Eigen::VectorXd& values, InitMode& mode) {
   }
   mode.specimens = static_cast<int>(found.size());
   if (found.empty()) return;
-  const Eigen::Map<const Eigen::ArrayXd> list(found.data(), mode.specimens);
+  const Eigen::Map<const Eigen::VectorXd> list(found.data(), mode.specimens);
   mode.test_mean = list.mean();
   if (mode.specimens < 2) return;
-  mode.test_std = std::sqrt((list - list.mean()).square().sum() / (mode.specimens - 1));
-  mode.robust_std = robust_std(found, mode.test_std);
+  mode.test_std = std::sqrt((list.array() - list.mean()).square().sum() / (mode.specimens - 1));
+  mode.robust_std = robust_std(list, mode.test_std);
 }
 
 /// Mean MAC of the paired modes, by mode, from a column of the table of pairs.

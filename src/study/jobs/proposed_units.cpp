@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <Eigen/Core>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "mottle/model/units.hpp"
+#include "mottle/stats/moments/robust.hpp"
 
 namespace mottle::study {
 namespace {
@@ -19,12 +19,6 @@ struct Usual {
 };
 constexpr Usual k_usual[] = {
     {"SI", 7e10, 2.7e3}, {"mm-t-s", 7e4, 2.7e-9}, {"mm-kg-ms", 70.0, 2.7e-6}, {"in-lbf-s", 1e7, 2.5e-4}};
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
 
 double distance(double value, double usual) {
   return std::isnan(value) ? 0.0 : std::abs(std::log(value / usual));
@@ -40,12 +34,15 @@ ProposedUnits propose_units(const FiniteElementModel& model) {
     if (field.name == "E" || field.name == "E1") moduli.push_back(field.value);
     if (field.name == "RHO") densities.push_back(model.settings.mass_factor * field.value);
   }
-  return propose_units(std::move(moduli), std::move(densities));
+  return propose_units(moduli, densities);
 }
 
-ProposedUnits propose_units(std::vector<double> moduli, std::vector<double> densities) {
-  const double modulus = median(std::move(moduli));
-  const double density = median(std::move(densities));
+ProposedUnits propose_units(const std::vector<double>& moduli, const std::vector<double>& densities) {
+  const auto median_of = [](const std::vector<double>& values) {
+    return median(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+  };
+  const double modulus = median_of(moduli);
+  const double density = median_of(densities);
   if (std::isnan(modulus) && std::isnan(density)) return {"SI", "the deck has no material to guess from"};
   constexpr double k_far = 5.0;  // a metal or plastic is no further from its own system
   const auto from = [&](const Usual& usual) {

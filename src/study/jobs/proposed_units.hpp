@@ -16,7 +16,7 @@ struct ProposedUnits {
 
 /// The system in which Young's moduli and densities are nearest to those of metals and plastics, on a logarithmic
 /// scale: 70 GPa and 2,700 kg/m^3. SI, with a reason that says so, where the deck has neither.
-ProposedUnits propose_units(std::vector<double> moduli, std::vector<double> densities);
+ProposedUnits propose_units(const std::vector<double>& moduli, const std::vector<double>& densities);
 ProposedUnits propose_units(const FiniteElementModel& model);
 
 }  // namespace mottle::study

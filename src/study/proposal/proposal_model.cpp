@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "mottle/core/error.hpp"
+#include "mottle/stats/moments/robust.hpp"
 #include "mottle/study/jobs/study_objects.hpp"
 #include "mottle/updating/methods/deterministic.hpp"
 #include "study/results/init_text.hpp"
@@ -29,28 +30,13 @@ Eigen::VectorXd curvature_of(const Eigen::VectorXd& means) {
   return 0.5 * means.cwiseAbs2() + 0.05 * means.cwiseAbs();
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 /// Distances from the median, in robust standard deviations; 0 where too few are known [specimen].
 Eigen::VectorXd robust_distances(const Eigen::VectorXd& values, double least_scale) {
-  constexpr std::size_t k_fewest = 6;
-  std::vector<double> known;
-  for (const double value : values) {
-    if (!std::isnan(value)) known.push_back(value);
-  }
-  Eigen::VectorXd distances = Eigen::VectorXd::Zero(values.size());
-  if (known.size() < k_fewest) return distances;
-  const double centre = median(known);
-  for (double& value : known) value = std::abs(value - centre);
-  const double scale = std::max(1.4826 * median(known), least_scale);
-  for (Eigen::Index s = 0; s < values.size(); ++s) {
-    if (!std::isnan(values(s))) distances(s) = std::abs(values(s) - centre) / scale;
-  }
-  return distances;
+  constexpr Eigen::Index k_fewest = 6;
+  const auto is_known = !values.array().isNaN();
+  if (is_known.count() < k_fewest) return Eigen::VectorXd::Zero(values.size());
+  const double scale = std::max(robust_deviation(values), least_scale);
+  return is_known.select((values.array() - median(values)).abs() / scale, 0.0);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "mottle/core/error.hpp"
 #include "mottle/core/text.hpp"
+#include "mottle/stats/moments/robust.hpp"
 #include "study/input/first_few.hpp"
 #include "study/tests/tested_frequencies.hpp"
 
@@ -15,18 +16,6 @@ namespace mottle::study {
 namespace {
 
 constexpr double k_far_factor = 1.8;  // specimens of one kind of structure do not differ by that much in a frequency
-
-/// Median of the finite values; nan: there are none.
-double median_of(const Eigen::Ref<const Eigen::VectorXd>& values) {
-  std::vector<double> sorted;
-  for (const double value : values) {
-    if (std::isfinite(value)) sorted.push_back(value);
-  }
-  if (sorted.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::ranges::sort(sorted);
-  const std::size_t middle = sorted.size() / 2;
-  return sorted.size() % 2 == 1 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
-}
 
 /// ", as in rad/s": the unit whose factor a ratio is near.
 std::string unit_hint(double ratio) {
@@ -71,7 +60,7 @@ std::string mistaken_values(const TestedFrequencies& tested, const TestData& tes
 std::string mistaken_columns(const std::vector<std::string>& names, const Eigen::VectorXd& ratios) {
   constexpr Eigen::Index k_fewest = 3;  // of two that differ, either may be the mistaken one
   if (ratios.size() < k_fewest) return {};
-  const double usual = median_of(ratios);
+  const double usual = median(ratios);
   std::vector<std::string> found;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const double ratio = ratios(static_cast<Eigen::Index>(k)) / usual;
@@ -108,7 +97,7 @@ std::string exchanged_columns(const std::vector<std::string>& names, const Eigen
   constexpr double k_nearer = 0.25;  // times as far, exchanged
   const Eigen::VectorXd ratios = medians.cwiseQuotient(reference);
   if (ratios.size() < 3 || !(ratios.array() > 0.0).all() || !ratios.allFinite()) return {};
-  const double usual = std::log(median_of(ratios));
+  const double usual = std::log(median(ratios));
   const auto distance = [&](Eigen::Index tested, Eigen::Index model) {
     return std::log(medians(tested) / reference(model)) - usual;
   };
@@ -162,7 +151,7 @@ std::vector<TestDoubt> doubtful_frequencies(const StructureModel& model, const T
   const TestedFrequencies tested = tested_frequencies(model, tests);
   if (tested.modes.empty()) return {};
   Eigen::VectorXd medians(tested.count());
-  for (Eigen::Index k = 0; k < medians.size(); ++k) medians(k) = median_of(tested.values.col(k));
+  for (Eigen::Index k = 0; k < medians.size(); ++k) medians(k) = median(tested.values.col(k));
   const Eigen::VectorXd reference = reference_frequencies(model, tested.modes);
   const Eigen::VectorXd ratios = medians.cwiseQuotient(reference);
   std::vector<TestDoubt> doubts;

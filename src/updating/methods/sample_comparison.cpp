@@ -10,6 +10,7 @@
 #include "mottle/stats/moments/descriptive.hpp"
 #include "mottle/stats/moments/energy_distance.hpp"
 #include "mottle/stats/moments/quantiles.hpp"
+#include "mottle/stats/moments/robust.hpp"
 #include "mottle/stats/moments/spearman.hpp"
 #include "mottle/stats/moments/wasserstein.hpp"
 #include "updating/fits/measured_outputs.hpp"
@@ -19,24 +20,17 @@ namespace {
 
 constexpr Eigen::Index k_directions = 40;
 
-double median(std::vector<double> values) {
-  return quantile(std::move(values), 0.5, QuantileRule::ends);
-}
-
-double robust_deviation(const Eigen::Ref<const Eigen::VectorXd>& column) {
+/// Of few values, and of those of which half are the same, the usual one.
+double deviation_of(const Eigen::Ref<const Eigen::VectorXd>& column) {
   constexpr std::size_t k_few = 5;
-  constexpr double k_of_normal = 1.4826;
   std::vector<double> values;
   std::ranges::copy_if(column, std::back_inserter(values), [](double value) { return !std::isnan(value); });
-  const double centre = median(values);
   const double mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
   double squares = 0.0;
   for (const double value : values) squares += (value - mean) * (value - mean);
   const double plain = std::sqrt(squares / std::max(1.0, static_cast<double>(values.size()) - 1.0));
-  if (values.size() <= k_few) return plain;
-  for (double& value : values) value = std::abs(value - centre);
-  const double robust = k_of_normal * median(values);
-  return robust > 0.0 ? robust : plain;
+  const double robust = robust_deviation(column);
+  return values.size() <= k_few || robust == 0.0 ? plain : robust;
 }
 
 /// Specimens that have all outputs.
@@ -90,10 +84,8 @@ Eigen::MatrixXd comparison_covariance(const TestData& tests, const Eigen::Ref<co
       (n + cloud_weight);
   Eigen::VectorXd scale(values.cols());
   for (Eigen::Index k = 0; k < values.cols(); ++k) {
-    const double measured = std::max(robust_deviation(values.col(k)), noise_std(k));
-    std::vector<double> present;
-    std::ranges::copy_if(values.col(k), std::back_inserter(present), [](double value) { return !std::isnan(value); });
-    scale(k) = weighing_deviation(measured, median(present));
+    const double measured = std::max(deviation_of(values.col(k)), noise_std(k));
+    scale(k) = weighing_deviation(measured, median(values.col(k)));
   }
   covariance = (scale.asDiagonal() * covariance * scale.asDiagonal()).eval();
   repair_covariance(covariance, k_least_eigenvalue);

@@ -21,9 +21,11 @@ double prior_log_density(const PriorOnScales& prior, const Eigen::VectorXd& poin
   return -0.5 * away.dot(solve_semidefinite(prior.covariance, away));
 }
 
-PopulationFitSettings settings_from(const PopulationFitSettings& settings, const MeanSolution& solution) {
+/// The only solution is come to from the prior's mean, where that leads to it. Of several, each fit starts at its own:
+/// from the prior's mean, where like parameters are equal, a fit can stay on the saddle between them.
+PopulationFitSettings settings_from(const PopulationFitSettings& settings, const MeanSolution& solution, bool is_only) {
   PopulationFitSettings own = settings;
-  if (!solution.is_from_prior) own.first = solution.point;
+  if (!is_only || !solution.is_from_prior) own.first = solution.point;
   return own;
 }
 
@@ -40,8 +42,8 @@ MeanSearchSettings search_settings(const UpdatingProblem& problem, const Populat
 PopulationSolution fit_about(const UpdatingProblem& problem, const PopulationFitSettings& settings,
                              const MeanSolution& mean, const RunContext& context, std::int64_t& evaluations,
                              const std::function<bool(const PopulationFit&)>& each) {
-  PopulationSolution solution{
-      .mean = mean, .fit = fit_population(problem, problem.tests.values, settings_from(settings, mean), context, each)};
+  PopulationSolution solution{.mean = mean,
+                              .fit = fit_population(problem, problem.tests.values, settings, context, each)};
   evaluations += solution.fit.evaluations;
   solution.log_weight =
       plain_log_likelihood(solution.fit) + prior_log_density(prior_on_scales(problem.space), solution.fit.mean);
@@ -73,8 +75,9 @@ std::vector<PopulationSolution> fit_solutions(const UpdatingProblem& problem, co
   std::string reason;
   for (std::size_t k = 0; k < std::min(means.solutions.size(), k_most_fits); ++k) {
     try {
-      solutions.push_back(fit_about(problem, settings, means.solutions[k], context, evaluations,
-                                    [&](const PopulationFit&) { return !context.stop_requested(); }));
+      const MeanSolution& mean = means.solutions[k];
+      solutions.push_back(fit_about(problem, settings_from(settings, mean, means.solutions.size() == 1), mean, context,
+                                    evaluations, [&](const PopulationFit&) { return !context.stop_requested(); }));
     } catch (const ModelFailure& failure) {
       reason = failure.what();
     }
@@ -98,10 +101,10 @@ SolvedPopulation solve_population(const UpdatingProblem& problem, const Populati
   }
   // Once more for those who follow its iterations.
   const MeanSolution first = means.solutions.size() > 1 ? solved.solutions.front().mean : means.solutions.front();
+  solved.settings = settings_from(solved.settings, first, means.solutions.size() == 1);
   PopulationSolution best = fit_about(problem, solved.settings, first, context, evaluations, each);
   if (solved.solutions.empty()) solved.solutions.resize(1);
   solved.solutions.front() = std::move(best);
-  solved.settings = settings_from(solved.settings, first);
   return solved;
 }
 

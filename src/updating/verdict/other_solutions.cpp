@@ -102,7 +102,7 @@ BestStart start_at_best(const UpdatingProblem& problem, const RunContext& contex
   const std::vector<PopulationSolution> solutions = fit_solutions(problem, settings, means, context, evaluations);
   const PopulationSolution& best = solutions.front();
   name_other_solutions(problem, best.fit, solutions, means.starts, result);
-  if (best.mean.is_from_prior) return {start, best.mean.point};
+  if (solutions.size() == 1 && best.mean.is_from_prior) return {start, best.mean.point};
   start.mean = best.fit.mean;
   start.covariance = best.fit.covariance + k_kept * start.covariance;
   return {start, best.mean.point};

@@ -6,6 +6,7 @@
 
 #include "mottle/model/function_model.hpp"
 #include "updating/fits/exchanged_parameters.hpp"
+#include "updating/population/solved_population.hpp"
 
 namespace mottle::updating {
 namespace {
@@ -35,9 +36,12 @@ struct Case {
     return list;
   }
 
+  UpdatingProblem problem(int starts) const {
+    return {.model = model, .space = *space, .tests = tests, .cloud = {.samples = 200}, .starts = starts};
+  }
+
   MeanSolutions find(int starts = k_usual_starts) const {
-    const UpdatingProblem problem{
-        .model = model, .space = *space, .tests = tests, .cloud = {.samples = 200}, .starts = starts};
+    const UpdatingProblem problem = this->problem(starts);
     const Cloud cloud = evaluate_cloud(model, *space, space->prior(), problem.cloud,
                                        {.seed = 1, .purpose = StreamPurpose::parameter_cloud}, {});
     std::int64_t evaluations = 0;
@@ -75,6 +79,21 @@ TEST(MeanSolutions, OfASymmetricFunctionAreAllPermutations) {
   Eigen::Vector3d truth(0.8, 1.0, 1.3);
   do EXPECT_TRUE(has(found, truth)) << truth.transpose();
   while (std::next_permutation(truth.begin(), truth.end()));
+}
+
+// Rounding may lead the descent from the prior's mean off the saddle between exchanged solutions, to one of them; the
+// population's fit from there may stay on it.
+TEST(MeanSolutions, OfSeveralEachIsWhereItsPopulationStarts) {
+  const Case one(3, power_sums, Eigen::Vector3d(0.8, 1.0, 1.3));
+  MeanSolutions means = one.find();
+  ASSERT_GE(means.solutions.size(), 2U);
+  means.solutions.resize(2);
+  for (MeanSolution& solution : means.solutions) solution.is_from_prior = true;
+  const PopulationFitSettings settings{
+      .noise = known_noise(one.tests.repeatability_std.cwiseAbs2()), .iterations = 30, .tolerance = 1e-6};
+  std::int64_t evaluations = 0;
+  for (const PopulationSolution& found : fit_solutions(one.problem(k_usual_starts), settings, means, {}, evaluations))
+    EXPECT_LT((found.fit.mean - found.mean.point).cwiseAbs().maxCoeff(), 0.1) << found.fit.mean.transpose();
 }
 
 /// Ordered as frequencies by rank are: kinks where two are equal.
