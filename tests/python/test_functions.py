@@ -153,6 +153,21 @@ def test_wrong_arguments_are_refused():
         mottle.update(frequencies, [Parameter("k", 1.0, -0.1)], (["f1"], TESTS[:, :1]))
 
 
+def test_the_search_for_all_solutions_takes_as_many_starts_as_asked():
+    def runs(starts):
+        counted = []
+
+        def model(samples):
+            counted.append(len(samples))
+            return frequencies(samples)
+
+        return sum(counted) if update(model, samples=50, starts=starts) else 0
+
+    assert runs(0) < runs(8) <= runs(None)
+    with pytest.raises(mottle.InvalidInput, match="starts"):
+        update(frequencies, starts=-1)
+
+
 def test_a_surrogate_takes_few_samples():
     seen = []
 

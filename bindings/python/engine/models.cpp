@@ -96,16 +96,17 @@ void add_models(py::module_& module) {
       [](const py::object& function, const std::vector<ParameterSpec>& parameters, const Eigen::MatrixXd& correlation,
          const std::vector<OutputSpec>& outputs, const Eigen::MatrixXd& tests, const Eigen::VectorXd& repeatability,
          const Eigen::VectorXd& model_error, const std::string& method, const OptionValues& options, int samples,
-         double max_failed, int iterations, double level, double tolerance, std::uint64_t seed, int threads, int batch,
-         double difference_step, const std::optional<SurrogateSettings>& surrogate, const std::string& title,
-         const std::string& text, const std::optional<std::filesystem::path>& folder, bool resume,
-         const py::object& progress) {
+         double max_failed, int iterations, double level, double tolerance, const std::optional<int>& starts,
+         std::uint64_t seed, int threads, int batch, double difference_step,
+         const std::optional<SurrogateSettings>& surrogate, const std::string& title, const std::string& text,
+         const std::optional<std::filesystem::path>& folder, bool resume, const py::object& progress) {
         study::StudyUpdate update;
         update.method = method;
         update.samples = samples;
         update.iterations = iterations;
         update.tolerance = tolerance;
         update.level = level;
+        update.starts = starts;
         update.max_failed = max_failed;
         update.method_options[method] = options;
         TestData data{.values = tests, .repeatability_std = repeatability, .model_error_std = model_error};
@@ -123,8 +124,9 @@ void add_models(py::module_& module) {
       py::arg("function"), py::kw_only(), py::arg("parameters"), py::arg("correlation"), py::arg("outputs"),
       py::arg("tests"), py::arg("repeatability"), py::arg("model_error"), py::arg("method"), py::arg("options"),
       py::arg("samples"), py::arg("max_failed"), py::arg("iterations"), py::arg("level"), py::arg("tolerance"),
-      py::arg("seed"), py::arg("threads"), py::arg("batch"), py::arg("difference_step"), py::arg("surrogate"),
-      py::arg("title"), py::arg("text"), py::arg("folder"), py::arg("resume"), py::arg("progress"));
+      py::arg("starts") = py::none(), py::arg("seed"), py::arg("threads"), py::arg("batch"), py::arg("difference_step"),
+      py::arg("surrogate"), py::arg("title"), py::arg("text"), py::arg("folder"), py::arg("resume"),
+      py::arg("progress"));
 }
 
 }  // namespace mottle::python

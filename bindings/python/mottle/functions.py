@@ -119,6 +119,7 @@ def update(
     iterations: int = 30,
     level: float = 0.05,
     tolerance: float = 1e-3,
+    starts: int | None = None,
     seed: int = 1,
     threads: int = 0,
     surrogate: Surrogate | None = None,
@@ -152,6 +153,8 @@ def update(
         samples: of each cloud.
         max_failed: part of a cloud's runs that may fail.
         iterations, level, tolerance: as [update] of a study file.
+        starts: most starting points of the search for all parameters that explain the tests' mean; 0: the prior's mean
+            alone; None: 64. For a function that costs minutes without a surrogate, fewer.
         seed: of the random streams.
         threads: of the engine; the function is called on one.
         surrogate: for a function that costs minutes a sample.
@@ -206,6 +209,8 @@ def update(
         "tolerance": _checks.number(tolerance, "tolerance", sys.float_info.min, 1.0),
         "difference_step": _checks.number(difference_step, "difference_step", 1e-6, 1.0),
     }
+    if starts is not None:
+        settings["starts"] = _checks.whole(starts, "starts", 0, 100_000)
     specs = [parameter._spec() for parameter in parameters]
     bar = _progress.shown(progress)
     try:

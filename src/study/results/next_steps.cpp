@@ -40,8 +40,9 @@ NextStep checked_tests(const SummarySources& s, const TestDoubt& doubt) {
         "exchanged.");
   }
   if (doubt.kind == "mistaken-sensors") {
-    return {"", "Look at the test's set-up; if it was so, exchange the columns of these sensors, or reverse the sign, in "
-                "the tests."};
+    return {"",
+            "Look at the test's set-up; if it was so, exchange the columns of these sensors, or reverse the sign, in "
+            "the tests."};
   }
   return {"", "Check these tests: their values, units and columns, and which modes they are."};
 }

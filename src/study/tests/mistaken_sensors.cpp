@@ -68,8 +68,7 @@ SensorChange best_change(const std::vector<Products>& shapes) {
   };
   for (std::size_t a = 0; a < sensors.size(); ++a) {
     attempt(sensors[a], -1);
-    for (std::size_t b = 0; b < a; ++b)
-      attempt(std::min(sensors[a], sensors[b]), std::max(sensors[a], sensors[b]));
+    for (std::size_t b = 0; b < a; ++b) attempt(std::min(sensors[a], sensors[b]), std::max(sensors[a], sensors[b]));
   }
   return best;
 }

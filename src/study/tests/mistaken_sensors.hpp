@@ -17,8 +17,8 @@ struct ComparedShape {
   Eigen::VectorXd reference;  ///< [sensor]
 };
 
-/// The one change of sensors, of two exchanged or of one turned round, that makes the shapes of all modes agree with the
-/// model, in a sentence. It is named where the mean of 1 - MAC is at least 0.02 and falls to a quarter or less. It
+/// The one change of sensors, of two exchanged or of one turned round, that makes the shapes of all modes agree with
+/// the model, in a sentence. It is named where the mean of 1 - MAC is at least 0.02 and falls to a quarter or less. It
 /// takes three sensors and two modes: of fewer, some change always fits. Where there are more than 40 sensors, those of
 /// the largest differences are tried.
 ///

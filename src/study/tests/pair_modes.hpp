@@ -29,11 +29,11 @@ struct PairedModes {
 /// Pairs every specimen's modes with the reference's by MAC at the measured components and optimal assignment, or by
 /// rank in frequency.
 ///
-/// A pair whose MAC is below `minimum_mac` of the outputs is none, unless the two belong to close modes whose shapes have
-/// mixed (close_modes()). A pair is doubtful where its MAC is below 0.8, where
-/// another mode comes within 0.1 of it, or where the modal phase collinearity is below 0.9. Shapes get the reference's
-/// sign; where their size is free they are scaled to the reference by least squares, where it is data those without
-/// modal mass are not used. An output's component is taken where the measured directions at its node span it.
+/// A pair whose MAC is below `minimum_mac` of the outputs is none, unless the two belong to close modes whose shapes
+/// have mixed (close_modes()). A pair is doubtful where its MAC is below 0.8, where another mode comes within 0.1 of
+/// it, or where the modal phase collinearity is below 0.9. Shapes get the reference's sign; where their size is free
+/// they are scaled to the reference by least squares, where it is data those without modal mass are not used. An
+/// output's component is taken where the measured directions at its node span it.
 ///
 /// Where a file has nodes with axes of their own, its numbers are in those axes by the format, but global in the files
 /// of some programs: the sum of MAC decides, and a note says so.

@@ -99,8 +99,8 @@ void SpecimenPairing::leave_out_unlike() {
   const double minimum = model_.selection().minimum_mac;
   for (const auto& [reference, test] : pairs) {
     if (mac_(reference, test) >= minimum) continue;
-    CloseModes close = close_modes(reference, pairs, {comparison_.reference, frequencies},
-                                   {modes_.shapes, modes_.frequencies});
+    CloseModes close =
+        close_modes(reference, pairs, {comparison_.reference, frequencies}, {modes_.shapes, modes_.frequencies});
     if (close.mac < std::max(minimum, k_sure_mac)) {
       assigned_.erase(reference);
     } else {
@@ -136,8 +136,8 @@ std::string SpecimenPairing::doubt(int reference, Eigen::Index test) const {
   std::vector<std::string> doubts;
   if (comparison_.seen > 0 && mac_(reference, test) < k_sure_mac) {
     const auto mixed = mixed_.find(reference);
-    doubts.push_back(fmt::format("MAC {:.2f}{}", mac_(reference, test),
-                                 mixed == mixed_.end() ? "" : together_text(mixed->second)));
+    doubts.push_back(
+        fmt::format("MAC {:.2f}{}", mac_(reference, test), mixed == mixed_.end() ? "" : together_text(mixed->second)));
   }
   if (comparison_.seen > 0 && second(reference, test) > mac_(reference, test) - k_min_lead) {
     doubts.push_back(fmt::format("another mode has MAC {:.2f}", second(reference, test)));

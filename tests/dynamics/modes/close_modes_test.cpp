@@ -23,7 +23,8 @@ Eigen::MatrixXd sines() {
 /// The first two turned into one another.
 Eigen::MatrixXd turned(double angle) {
   Eigen::MatrixXd shapes = sines();
-  shapes.leftCols(2) *= (Eigen::Matrix2d() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)).finished();
+  shapes.leftCols(2) *=
+      (Eigen::Matrix2d() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)).finished();
   return shapes;
 }
 

@@ -14,9 +14,8 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const OutputSelection k_outputs{.frequencies = {1, 2, 3},
-                                .shape_modes = {1, 2, 3},
-                                .shape_degrees_of_freedom = {"a", "b", "c", "d", "e"}};
+const OutputSelection k_outputs{
+    .frequencies = {1, 2, 3}, .shape_modes = {1, 2, 3}, .shape_degrees_of_freedom = {"a", "b", "c", "d", "e"}};
 
 Eigen::MatrixXd reference() {
   Eigen::MatrixXd shapes(5, 3);
@@ -47,7 +46,8 @@ TEST(MistakenSensors, AreTheTwoThatWereExchanged) {
   Eigen::MatrixXd values = specimens();
   for (Eigen::Index m = 0; m < 3; ++m) values.col(3 + 5 * m + 1).swap(values.col(3 + 5 * m + 3));
   values(2, 3 + 5 + 1) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(mistaken_sensors(values, k_outputs, reference()), HasSubstr("if sensors b and d are exchanged (mean MAC"));
+  EXPECT_THAT(mistaken_sensors(values, k_outputs, reference()),
+              HasSubstr("if sensors b and d are exchanged (mean MAC"));
 }
 
 TEST(MistakenSensors, AreTheOneThatIsUpsideDown) {
@@ -57,9 +57,8 @@ TEST(MistakenSensors, AreTheOneThatIsUpsideDown) {
 }
 
 TEST(MistakenSensors, AreNotSoughtInOneModeAlone) {
-  const OutputSelection one{.frequencies = {1},
-                            .shape_modes = {2},
-                            .shape_degrees_of_freedom = k_outputs.shape_degrees_of_freedom};
+  const OutputSelection one{
+      .frequencies = {1}, .shape_modes = {2}, .shape_degrees_of_freedom = k_outputs.shape_degrees_of_freedom};
   Eigen::MatrixXd values = specimens()(Eigen::all, std::vector<Eigen::Index>{0, 8, 9, 10, 11, 12});
   values.col(1) *= -1.0;
   EXPECT_THAT(mistaken_sensors(values, one, reference().col(1)), IsEmpty());
