@@ -56,12 +56,12 @@ std::map<int, Eigen::Index> assign_by_order(const Eigen::VectorXd& frequencies, 
   return assigned;
 }
 
-/// ", together with mode 6, which is close, 0.98".
+/// ", 0.98 together with mode 6, which is close in frequency".
 std::string together_text(const CloseModes& close) {
   std::vector<std::string> others;
   for (auto mode = close.modes.begin() + 1; mode != close.modes.end(); ++mode)
     others.push_back(fmt::format("{}", *mode + 1));
-  return fmt::format(", together with mode {} close by {:.2f}", join(others), close.mac);
+  return fmt::format(", {:.2f} together with mode {}, which is close in frequency", close.mac, join(others));
 }
 
 /// Largest entry of a vector but one.
