@@ -9,7 +9,10 @@
 namespace mottle::stats {
 namespace {
 
-constexpr double k_ridge = 1e-10;  // of directions of the means that no residual sees
+/// Of what all units see of a direction of the means with all of their rows. Effects reach all of it but for the change
+/// of the designs from unit to unit: that change, the curvature of outputs, is no knowledge of the means, and least
+/// squares would fit the noise by it.
+constexpr double k_unseen = 0.05;
 
 using OutputsOfUnits = std::vector<std::vector<Eigen::Index>>;
 
@@ -74,8 +77,7 @@ class ResidualIteration {
     for (const WhitenedDesign& own : designs_) {
       count += own.count * static_cast<double>(own.reached.rows() - own.reached.cols());
     }
-    constexpr double k_unseen = 1e-6;
-    return count - static_cast<double>((symmetric_eigenvalues(weight_of_mean_).array() > k_unseen).count());
+    return count - static_cast<double>(seen_.cols());
   }
 
  private:
@@ -98,38 +100,44 @@ class ResidualIteration {
       information(outputs_[own.unit]) += own.count * own.root.cwiseAbs2().cwiseInverse();
     }
     scale_ = information.cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    weight_of_mean_ = Eigen::MatrixXd::Zero(p, p);
+    Eigen::MatrixXd weight_of_mean = Eigen::MatrixXd::Zero(p, p);
     for (const WhitenedDesign& own : designs_) {
       const std::vector<Eigen::Index>& which = outputs_[own.unit];
       const Eigen::VectorXd weight = scale_(which).cwiseQuotient(own.root);
       const Eigen::MatrixXd reached = weight.asDiagonal() * own.reached;
       Eigen::MatrixXd unreached = -reached * reached.transpose();
       unreached.diagonal() += weight.cwiseAbs2();
-      weight_of_mean_(which, which) += own.count * unreached;
+      weight_of_mean(which, which) += own.count * unreached;
     }
-    Eigen::MatrixXd ridged = weight_of_mean_;
-    ridged.diagonal().array() += k_ridge;
-    mean_ = CholeskyFactor(ridged);
+    if (seen_.rows() == 0) seen_ = scale_.asDiagonal() * seen_directions(weight_of_mean);
+    const Eigen::MatrixXd seen = scale_.cwiseInverse().asDiagonal() * seen_;
+    mean_ = CholeskyFactor(seen.transpose() * weight_of_mean * seen);
     for (WhitenedDesign& own : designs_) {
       const Eigen::Index rows = own.root.size();
       const std::vector<Eigen::Index>& which = outputs_[own.unit];
       const Eigen::MatrixXd unreached = own.unreached(Eigen::MatrixXd::Identity(rows, rows));
       Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(p, rows);
       columns(which, Eigen::all) = scale_(which).cwiseQuotient(own.root).asDiagonal() * unreached;
+      columns = (seen.transpose() * columns).eval();
       mean_.solve_lower_in_place(columns);
       own.unexplained = unreached.diagonal() - columns.colwise().squaredNorm().transpose();
     }
   }
 
+  static Eigen::MatrixXd seen_directions(const Eigen::MatrixXd& weight_of_mean) {
+    const SymmetricEigen solver(weight_of_mean);
+    return solver.eigenvectors().rightCols((solver.eigenvalues().array() > k_unseen).count());
+  }
+
   /// b of least squares.
   Eigen::VectorXd find_mean() const {
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(weight_of_mean_.rows());
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(scale_.size());
     for (std::size_t s = 0; s < units_.size(); ++s) {
       const WhitenedDesign& own = designs_[design_of_[s]];
       const Eigen::VectorXd weight = scale_(outputs_[s]).cwiseQuotient(own.root);
       right(outputs_[s]) += weight.asDiagonal() * own.unreached(units_[s].response.cwiseQuotient(own.root));
     }
-    return scale_.cwiseProduct(mean_.solve(right));
+    return seen_ * mean_.solve(seen_.transpose() * scale_.cwiseInverse().cwiseProduct(right));
   }
 
   const std::vector<RandomEffectsUnit>& units_;
@@ -138,8 +146,8 @@ class ResidualIteration {
   std::vector<WhitenedDesign> designs_;
   std::vector<std::size_t> design_of_;  // [unit]
   Eigen::VectorXd scale_;               // of the means: noise over all units [output]
-  Eigen::MatrixXd weight_of_mean_;      // sum of P_s in units of that [output x output]
-  CholeskyFactor mean_;
+  Eigen::MatrixXd seen_;                // directions of the means that residuals see [output x direction]
+  CholeskyFactor mean_;                 // of the sum of P_s in these directions
 };
 
 void require_outputs(const std::vector<RandomEffectsUnit>& units, const OutputsOfUnits& outputs,

@@ -31,7 +31,9 @@ Eigen::MatrixXd reached_by(const Eigen::MatrixXd& design);
 ///
 ///   y_s = G_s x_s + b + e_s,   e_s ~ N(0, R_s),   R_s = noise * level of the output,
 ///
-/// so that neither the population of the effects nor means that the effects cannot reach change the levels. With
+/// so that neither the population of the effects nor means that the effects cannot reach change the levels. The means
+/// are free in the directions of which the residuals see at least a twentieth of what they would without effects, at the
+/// expected levels; what remains of the others is the change of the designs from unit to unit. With
 /// P_s = R_s^-1 - R_s^-1 G_s (G_s' R_s^-1 G_s)^+ G_s' R_s^-1 and P = P_s - P_s (sum P_t)^+ P_s it repeats
 ///
 ///   level <- [ sum e^2 / noise + weight * expected ] / (sum r P_kk + weight),   e_s = R_s P_s (y_s - b),
