@@ -5,7 +5,11 @@ import { is_number, list, record } from "../src/data.js";
 import { bullets, button, element, paragraph, prose } from "../src/dom.js";
 import { short_number } from "../src/format.js";
 import { by_attention, parameter_bars } from "../src/parameter_bars.js";
+import { answer_kind } from "../src/population.js";
 import { data_table } from "../src/table.js";
+import { batch_figure, batch_table } from "./assignments.js";
+import { densities_figure } from "./densities.js";
+import { cover_figure } from "./interval.js";
 
 const outputs_at_most = 8;
 const parameters_at_most = 8;
@@ -67,11 +71,14 @@ function causes_of(verdict) {
   );
 }
 
+function summary_of({ summary }) {
+  return list(summary).length ? bullets(list(summary).map(prose), { class: "summary-list" }) : null;
+}
+
 function statement(study) {
   const verdict = record(study.result.verdict);
   const conclusion = conclusion_of(verdict);
   const { sign, word, tone, text } = words_of[conclusion] ?? no_verdict;
-  const summary = list(verdict.summary).map(prose);
   return element(
     "div",
     { class: `verdict ${tone_of(study, conclusion, tone)}`, "data-verdict": conclusion ?? "none" },
@@ -86,8 +93,9 @@ function statement(study) {
         verdict.headline ? element("span", { class: "headline" }, ` – ${verdict.headline}`) : null,
       ),
       verdict.headline ? null : paragraph(text),
+      verdict.answer ? element("p", { class: "answer" }, prose(String(verdict.answer))) : null,
       causes_of(verdict),
-      summary.length ? bullets(summary, { class: "summary-list" }) : null,
+      answer_kind(study) ? null : summary_of(verdict),
     ),
   );
 }
@@ -182,6 +190,16 @@ function parameter_part(study) {
   );
 }
 
+/** What stands first of a method that answers another question than for a mean and a scatter. */
+const answers = {
+  batches: (study) => [batch_figure(study), element("div", { class: "card" }, batch_table(study))],
+  box: (study) => [cover_figure(study), parameter_part(study)],
+  posterior: (study) => [densities_figure(study)],
+};
+
+const side_by_side = (parts, more = {}) =>
+  parts.some(Boolean) ? element("div", { class: "first-screen", ...more }, parts) : null;
+
 function step(text, is_first) {
   const { command, reason } = record(text);
   const copy = command ? button("Copy", "Copy this command", () => navigator.clipboard?.writeText(command)) : null;
@@ -220,16 +238,21 @@ export default {
     ],
   ],
   content(study) {
-    const rows = agreement_rows(study);
+    const verdict = record(study.result.verdict);
+    const kind = answer_kind(study);
+    const rows = kind === "box" ? [] : agreement_rows(study); // a box has no mean and no scatter to compare
+    const answer = kind ? side_by_side(answers[kind](study), { "data-answer": kind }) : null; // first, as it is numbered
+    const comparison = [
+      rows.length ? element("div", { class: "card" }, output_table(study, rows)) : null,
+      kind === "box" ? null : parameter_part(study),
+    ];
     return [
       statement(study),
-      element(
-        "div",
-        { class: "first-screen" },
-        rows.length ? element("div", { class: "card" }, output_table(study, rows)) : null,
-        parameter_part(study),
-      ),
-      next_steps(list(record(study.result.verdict).next)),
+      answer,
+      kind && list(verdict.next).length ? next_steps(list(verdict.next)) : null,
+      kind ? summary_of(verdict) : null,
+      side_by_side(comparison),
+      kind ? null : next_steps(list(verdict.next)),
     ];
   },
 };

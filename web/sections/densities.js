@@ -6,7 +6,7 @@ import { paged_figure } from "../src/figure.js";
 import { name_with_unit, number_text, short_number } from "../src/format.js";
 import { band_series, layout, line_series, panel_frame } from "../src/panels.js";
 import { band, bound, model, muted, test } from "../src/palette.js";
-import { has_curves, is_box, is_population, is_posterior, parameter_of } from "../src/population.js";
+import { answer_kind, has_curves, is_population, is_posterior, parameter_of } from "../src/population.js";
 
 const printed_at_most = 6; // on two pages, with everything else
 const id = "densities";
@@ -102,7 +102,7 @@ function title_of(study, parameter) {
 
 function build(study, parameters, width) {
   const { cells, height } = layout(parameters.length, width, {
-    left: 26,
+    left: 58,
     legend_height: legend_height(Object.values(names), width),
   });
   const drawn = parameters.map((parameter) => {
@@ -116,12 +116,11 @@ function build(study, parameters, width) {
     x: { name: name_with_unit(parameter), ...limits, axisLabel: { ...axis_label, hideOverlap: true, fontSize: 11 } },
     y: {
       name: "Density",
-      nameGap: 8,
+      nameGap: 40,
       min: 0,
       max: top,
-      axisLabel: { show: false },
-      axisTick: { show: false },
-      axisLine: { show: false },
+      splitNumber: 3,
+      axisLabel: { showMaxLabel: false, hideOverlap: true, fontSize: 11, formatter: (value) => short_number(value, 3) },
       splitLine: { show: false },
     },
   }));
@@ -155,8 +154,7 @@ function caption_of(study, parameters) {
       : null,
     has_marks ? "Each tick at the foot is one specimen." : null,
     is_posterior(study) ? "Updated: the posterior's samples, each as a narrow normal curve." : null,
-    is_box(study) ? "Updated: an even spread between the bounds, a convention." : null,
-    is_population(study) || is_box(study)
+    is_population(study)
       ? null
       : "This method's standard deviation is not the scatter of the specimens: see the notes under the verdict.",
   ]
@@ -169,11 +167,27 @@ const can_be_drawn = (study) =>
     .map((axis) => parameter_of(study, axis))
     .filter(({ mean, std }) => is_number(mean) && is_number(std));
 
+/** Prior and updated density of every parameter, nine a page; in print the first six. */
+export function densities_figure(study) {
+  const parameters = can_be_drawn(study);
+  if (!has_curves(study)) {
+    return paragraph("This result holds no curves, since an earlier version wrote it: run the study again to see them.");
+  }
+  return paged_figure({
+    id,
+    title: "Prior and updated densities",
+    caption: caption_of(study, parameters),
+    items: parameters,
+    size: panels_a_page,
+    build: (shown, width, { is_summary } = {}) => build(study, is_summary ? shown.slice(0, printed_at_most) : shown, width),
+  });
+}
+
 export default {
   id: "distributions",
   title: "Parameters: prior and updated distributions",
-  is_in_print: (study) => can_be_drawn(study).length <= printed_at_most,
-  has_data: (study) => study.is_update && can_be_drawn(study).length > 0,
+  is_in_print: (study) => answer_kind(study) === null && can_be_drawn(study).length <= printed_at_most,
+  has_data: (study) => study.is_update && !["box", "posterior"].includes(answer_kind(study)) && can_be_drawn(study).length > 0,
   explained: [
     [
       "Updated density",
@@ -181,20 +195,5 @@ export default {
         "stands at the edge of the prior, the prior was wrong, or the model is.",
     ],
   ],
-  content(study) {
-    const parameters = can_be_drawn(study);
-    if (!has_curves(study)) {
-      return [paragraph("This result holds no curves, since an earlier version wrote it: run the study again to see them.")];
-    }
-    return [
-      paged_figure({
-        id,
-        title: "Prior and updated densities",
-        caption: caption_of(study, parameters),
-        items: parameters,
-        size: panels_a_page,
-        build: (shown, width) => build(study, shown, width),
-      }),
-    ];
-  },
+  content: (study) => [densities_figure(study)],
 };

@@ -33,7 +33,7 @@ function facts_of_result(study) {
   const last = study.iterations[study.iterations.length - 1];
   return [
     ["Method", result.method && words(result.method)],
-    ["Iterations", study.is_update && last ? count_text(last.index) : null],
+    ["Iterations", study.is_update && study.has_iterations && last ? count_text(last.index) : null],
     ["Tests", is_number(n_test) ? count_text(n_test) : null],
     [
       "Samples a cloud",

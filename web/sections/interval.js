@@ -1,7 +1,10 @@
 // A box of parameters: its ends, the bounds of the tests, and the range of each output over the box.
 import { is_number, list, number_or_null, record } from "../src/data.js";
 import { paragraph } from "../src/dom.js";
+import { paged_figure } from "../src/figure.js";
 import { number_text } from "../src/format.js";
+import { output_bars } from "../src/output_rows.js";
+import { specimen_number } from "../src/population.js";
 import { data_table } from "../src/table.js";
 
 const block_of = ({ result }) => record(result.interval);
@@ -68,6 +71,50 @@ function output_table(study) {
     ],
     rows,
     caption: "Negative: not covered. Proven: no parameters in the box give outputs beyond the range, by more than its tolerance.",
+  });
+}
+
+const bars = {
+  names: { test: "Bounds to cover", model: "Range over the box", inside: "Test", outside: "Test outside that range" },
+  tooltip: { test: "Bounds to cover", model: "Range over the box" },
+  axis: "Half widths of the bounds from their middle",
+  short_axis: "Half widths from the middle of the bounds",
+  inside: "model",
+};
+const outputs_a_page = 8;
+
+/** Outputs whose bounds are covered least first. */
+function covered_outputs(study) {
+  const both = (ends) => (list(ends).filter(is_number).length === 2 ? ends : null);
+  return list(block_of(study).image)
+    .map(record)
+    .map(({ output, bounds, image, covered }, index) => ({
+      name: `${covered === false ? "✗ " : ""}${output}`,
+      unit: study.output_axes[index]?.unit ?? "",
+      test: both(bounds),
+      model: both(image),
+      median: both(bounds) && (bounds[0] + bounds[1]) / 2,
+      specimens: study.tests.map((row) => row[index]),
+      numbers: study.tests.map((_, k) => specimen_number(study, k)),
+      covered,
+    }))
+    .filter(({ test, model }) => test && model)
+    .sort((a, b) => Number(a.covered ?? true) - Number(b.covered ?? true));
+}
+
+/** For each output what the box gives, what it is to cover, and the tests; null where nothing is known. */
+export function cover_figure(study) {
+  const outputs = covered_outputs(study);
+  if (!outputs.length) return null;
+  return paged_figure({
+    id: "cover",
+    title: "Which bounds of the tests the box covers",
+    caption:
+      "Narrow bar: range of the output over the box. Wide bar: the bounds that it is to cover, from −1 to 1. ✗: not covered. " +
+      "Triangles: tests outside the range.",
+    items: outputs,
+    size: outputs_a_page,
+    build: (shown, width) => output_bars(shown, bars, width),
   });
 }
 

@@ -24,11 +24,12 @@ function rows_of({ parameters: block, parameter_axes }) {
       prior_std: at("prior_std"),
       mean: at("mean"),
       std: at("std"),
-      number: number_of_factor(block, index, at("mean")),
+      number: is_number(list(list(block.box)[index])[0]) ? null : number_of_factor(block, index, at("mean")),
       change: percent_change(at("prior_mean"), at("mean")),
       mean_ci95: list(list(block.mean_ci95)[index]),
       std_ci95: list(list(block.std_ci95)[index]),
       bounds: list(list(block.bounds)[index]),
+      box: list(list(block.box)[index]),
       at_bound: list(block.at_bound)[index] ?? null,
     };
   });
@@ -37,10 +38,11 @@ function rows_of({ parameters: block, parameter_axes }) {
 function columns_for(rows, updated_std) {
   const any = (key) => rows.some((row) => is_number(row[key]));
   const any_interval = (key) => rows.some((row) => row[key].some(is_number));
-  const interval = (key, title) => ({
+  const is_of_box = any_interval("box"); // its middle and spread are a convention
+  const interval = (key, title, group = "95 % interval") => ({
     key,
     title,
-    group: "95 % interval",
+    group,
     text: interval_text,
     csv: (row) => row[key].join(" to "),
   });
@@ -49,12 +51,13 @@ function columns_for(rows, updated_std) {
     rows.some((row) => row.unit) ? { key: "unit", title: "Unit", is_text: true } : null,
     any("prior_mean") ? { key: "prior_mean", title: "Mean", group: "Prior" } : null,
     any("prior_std") ? { key: "prior_std", title: "Std. dev.", group: "Prior" } : null,
-    any("mean") ? { key: "mean", title: "Mean", group: "Updated" } : null,
-    any("std") ? { key: "std", title: updated_std, group: "Updated" } : null,
+    any("mean") && !is_of_box ? { key: "mean", title: "Mean", group: "Updated" } : null,
+    any("std") && !is_of_box ? { key: "std", title: updated_std, group: "Updated" } : null,
     rows.some((row) => row.number)
       ? { key: "number", title: "Model's number", group: "Updated", is_text: true, text: (value) => value ?? "" }
       : null,
-    any("change") ? { key: "change", title: "Change", group: "Updated", text: (value) => percent_text(value) } : null,
+    any_interval("box") ? interval("box", "Box", "Updated") : null,
+    any("change") && !is_of_box ? { key: "change", title: "Change", group: "Updated", text: (value) => percent_text(value) } : null,
     any_interval("bounds")
       ? { key: "bounds", title: "Bounds", text: bounds_text, csv: (row) => row.bounds.map((b) => b ?? "").join(" to ") }
       : null,
@@ -143,7 +146,7 @@ export default {
     const rows = rows_of(study);
     // Methods that do not estimate the scatter of the specimens have another deviation, which must not be taken for it.
     const is_of_mean = study.is_update && study.parameters.is_population === false && !is_posterior(study) && !is_box(study);
-    const updated_std = is_posterior(study) ? "Posterior std. dev." : is_box(study) ? "Std. dev. if evenly spread" : is_of_mean ? "Std. dev. of the mean" : "Std. dev.";
+    const updated_std = is_posterior(study) ? "Posterior std. dev." : is_of_mean ? "Std. dev. of the mean" : "Std. dev.";
     const columns = columns_for(rows, updated_std);
     const has_intervals = columns.some(({ key }) => key === "mean_ci95" || key === "std_ci95");
     return [
@@ -158,9 +161,7 @@ export default {
           : is_of_mean
             ? "The updated standard deviation is the method's uncertainty of the mean; it does not estimate the scatter of " +
               "the specimens."
-            : is_box(study)
-              ? "The estimate is a box: its middle, and the standard deviation of parameters spread evenly in it, are a convention."
-              : null,
+            : null,
       }),
       posterior(study),
       other_solutions(study),

@@ -3,11 +3,18 @@ import { is_number } from "../src/data.js";
 import { paragraph } from "../src/dom.js";
 import { figure } from "../src/figure.js";
 import { number_text, plural } from "../src/format.js";
+import { output_bars } from "../src/output_rows.js";
 import { specimen_number } from "../src/population.js";
-import { predictive_bars } from "../src/posterior_panels.js";
 import { leave_one_out_of, predictive_outputs } from "../src/posterior.js";
 import { data_table } from "../src/table.js";
 
+const bars = {
+  names: { test: "95 % of further tests", model: "95 % of the model's outputs", inside: "Specimen", outside: "Specimen outside" },
+  tooltip: { test: "Further test, 95 %", model: "Model, 95 %" },
+  axis: "Distance from the median, in half widths of the 95 % interval of a further test",
+  short_axis: "Half widths of the bar from its median",
+  inside: "test",
+};
 const largest_shape = 0.7;
 const listed_at_most = 15;
 const interval_text = (ends) => (ends ? `${number_text(ends[0], 5)} … ${number_text(ends[1], 5)}` : "–");
@@ -99,7 +106,7 @@ export default {
             caption:
               "Wide bar: where 95\u00a0% of further tests are expected; narrow bar: the same of the model's outputs without noise. Diamonds: the specimens; " +
               "triangles: those outside. Beyond ±4 they are drawn at 4.",
-            build: (width) => predictive_bars(outputs, width),
+            build: (width) => output_bars(outputs, bars, width),
           })
         : null,
       outputs.length ? outputs_table(outputs) : null,

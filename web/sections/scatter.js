@@ -4,6 +4,7 @@ import { redraw } from "../src/charts.js";
 import { axis_choice, legend_height, limits_of_pair, pair_panels, pairs_of, snapshot } from "../src/cloud_panels.js";
 import { figure } from "../src/figure.js";
 import { layout } from "../src/panels.js";
+import { answer_kind } from "../src/population.js";
 
 const id = "scatter-first-last";
 const columns_at_most = 3;
@@ -16,6 +17,12 @@ function arrange(pairs, steps, columns) {
       return { pair, iteration, position: row * columns + (k % columns) };
     }),
   );
+}
+
+function title_of_step(study, steps, iteration) {
+  if (steps.length < 2 && !study.is_update) return "";
+  if (study.has_iterations) return `Iteration ${iteration}`;
+  return iteration === study.clouds[0]?.iteration ? "Prior" : "Updated";
 }
 
 function build(study, axes, steps, width) {
@@ -41,7 +48,7 @@ function build(study, axes, steps, width) {
   );
   const panels = arrange(pairs, steps, columns).map(({ pair, iteration, position }) => ({
     pair,
-    title: steps.length > 1 || study.is_update ? `Iteration ${iteration}` : "",
+    title: title_of_step(study, steps, iteration),
     limits: limits.get(pair),
     view: snapshot(study, iteration, "outputs"),
     cell: grid.cells[position],
@@ -74,11 +81,18 @@ export default {
         id,
         renderer: "canvas",
         controls: choice.control ? [choice.control] : [],
-        title: steps.length > 1 ? "Tests and model at the first and the last iteration" : "Samples of the outputs",
+        title: !(steps.length > 1)
+          ? "Samples of the outputs"
+          : study.has_iterations
+            ? "Tests and model at the first and the last iteration"
+            : "Tests and model before and after the update",
         caption:
           "Every pair of the outputs shown, with 2σ ellipses" +
           (steps.length > 1 ? "; the same axes above and below." : "."),
-        build: (width, { is_summary } = {}) => build(study, shown, is_summary ? steps.slice(-1) : steps, width),
+        build: (width, { is_summary } = {}) =>
+          is_summary
+            ? build(study, answer_kind(study) ? shown.slice(0, 3) : shown, steps.slice(-1), width)
+            : build(study, shown, steps, width),
       }),
     ];
   },

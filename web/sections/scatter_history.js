@@ -114,6 +114,7 @@ export default {
     shown_iterations(study).length > 1 ? "The cloud through the iterations" : "Samples of the parameters",
   has_data: (study) =>
     shown_iterations(study).length > 0 &&
+    (study.has_iterations || shown_iterations(study).length === 1) &&
     (has_parameter_scatter(study) || (has_output_scatter(study) && shown_iterations(study).length > 1)),
   explained: [
     [

@@ -1,6 +1,6 @@
 // How well the updated model reproduces the tests, as the result says it, and what it found of each parameter.
 import { is_number, list, number_or_null, record } from "./data.js";
-import { is_box } from "./population.js";
+import { is_box, is_posterior } from "./population.js";
 import { number_of_factor } from "./units.js";
 
 /** "adequate", "inadequate", "undecided", or null where there is no verdict; older results say true or false alone. */
@@ -46,11 +46,12 @@ export function findings_of(study) {
       side: list(block.at_bound)[index] ?? null,
       reason: finding.reason ?? "",
       is_box: is_box(study),
+      is_posterior: is_posterior(study),
       is_confirmed: conclusion_of(record(study.result.verdict)) === "adequate",
       prior: interval_or_null(finding.prior95),
       prior_mean: number_or_null(list(block.prior_mean)[index]),
-      estimate: number_or_null(list(block.mean)[index]),
-      number: number_of_factor(block, index, list(block.mean)[index]),
+      estimate: is_box(study) ? null : number_or_null(list(block.mean)[index]), // the middle of a box is no estimate
+      number: is_box(study) ? null : number_of_factor(block, index, list(block.mean)[index]),
       interval: interval_or_null(finding.interval95) ?? interval_or_null(list(block.mean_ci95)[index]),
       specimens: block.is_population === true ? interval_or_null([at(0.025), at(0.975)]) : null,
       bounds: list(list(block.bounds)[index]),

@@ -77,6 +77,7 @@ export function read_study(data) {
   };
   study.tests = tests_by_output(record(source.tests), study.output_axes);
   study.title = String(result.title ?? "").trim() || (is_modes ? "Mode shapes" : "Untitled study");
+  study.has_iterations = !["box", "posterior"].includes(record(parameters.estimate).kind) && !record(result.posterior).names;
   study.is_update = result.command ? result.command === "update" : iterations.length > 0;
   study.is_propagation = !is_modes && !study.is_update && (result.command === "propagate" || has_numbers(outputs.initial_mean));
   return study;
@@ -102,9 +103,9 @@ export function history_of(study, field, component) {
   });
 }
 
-/** Of more than a beginning and an end: two points are no course. */
+/** Of more than a beginning and an end: two points are no course. A box or a posterior is not approached by means of clouds. */
 export const has_history = (study, field) =>
-  study.iterations.length > 2 && study.iterations.some((entry) => is_number(entry[field]) || has_numbers(entry[field]));
+  study.has_iterations && study.iterations.length > 2 && study.iterations.some((entry) => is_number(entry[field]) || has_numbers(entry[field]));
 
 /** The iterations of which there is a cloud or an ellipse to show, in order. */
 export function shown_iterations(study) {

@@ -93,7 +93,7 @@ function pager({ count, label, show }) {
 
 /**
  * A figure that shows `items` in pages of `size`.
- * @param build  (items of the page, width) -> {option, height}
+ * @param build  (items of the page, width, {is_summary}) -> {option, height}
  */
 export function paged_figure({ id, items, size, build, ...rest }) {
   const count = Math.max(1, Math.ceil(items.length / size));
@@ -107,5 +107,5 @@ export function paged_figure({ id, items, size, build, ...rest }) {
       redraw(id, { afresh: true });
     },
   });
-  return figure({ id, controls, build: (width) => build(shown, width), ...rest });
+  return figure({ id, controls, build: (width, how) => build(shown, width, how), ...rest });
 }

@@ -1,7 +1,8 @@
-// One row an output: bars from one value to another, specimens on them, and the axes; shared by predictions and posteriors.
-import { axis } from "./charts.js";
-import { fit_in, number_text, short_number } from "./format.js";
-import { ink, muted, paper } from "./palette.js";
+// One row an output: bars from one value to another, specimens on them, and the axes; shared by predictions, posteriors and boxes.
+import { axis, legend, legend_height, tooltip_box, zooming } from "./charts.js";
+import { extent, is_number } from "./data.js";
+import { fit_in, name_with_unit, number_text, short_number } from "./format.js";
+import { band, bound, ink, model, muted, paper, test } from "./palette.js";
 
 export const row_height = 28;
 
@@ -72,4 +73,62 @@ export function row_bars(name, rows, style, share, z) {
       return { type: "rect", shape, style };
     },
   };
+}
+
+const far = 4; // specimens beyond are drawn there
+
+/** In what the bars are drawn: halves of the wide bar from its median. */
+function in_halves({ test: ends, median }) {
+  const half = (ends[1] - ends[0]) / 2 || 1;
+  return (value) => (value - median) / half;
+}
+
+const ends_text = (ends) => (ends ? `${number_text(ends[0], 5)} … ${number_text(ends[1], 5)}` : "–");
+
+/**
+ * @param outputs  {name, unit, test: [low, high] of the wide bar, model: the same of the narrow one, median, specimens, numbers?}
+ * @param words    {names: {test, model, inside, outside} of the legend, axis, short_axis, tooltip: {test, model},
+ *                 inside: the bar, "test" or "model", that specimens are to lie in}
+ */
+export function output_bars(outputs, words, width) {
+  const { names } = words;
+  const labels = outputs.map((output) => row_label(output, number_text(output.median, 5), width));
+  const shown = Object.values(names);
+  const grid = rows_grid(labels, width, legend_height(shown, width));
+  const place = outputs.map(in_halves);
+  const bar = (key) =>
+    outputs.map((output, row) => (output[key] ? [place[row](output[key][0]), row, place[row](output[key][1])] : [null, row, null]));
+  const points = outputs.flatMap(({ specimens }, row) =>
+    specimens.flatMap((value, k) =>
+      is_number(value) ? [[Math.max(-far, Math.min(far, place[row](value))), row, k, value]] : [],
+    ),
+  );
+  const is_inside = ([, row, , value]) => value >= outputs[row][words.inside][0] && value <= outputs[row][words.inside][1];
+  const series = [
+    row_bars(names.test, bar("test"), { fill: band }, 0.3, 1),
+    row_bars(names.model, bar("model"), { fill: model }, 0.12, 2),
+    row_marks(names.inside, points.filter(is_inside), test, "diamond"),
+    row_marks(names.outside, points.filter((point) => !is_inside(point)), bound, "triangle"),
+  ];
+  const reach = 1.05 * Math.max(1.5, ...extent([...points.map(([x]) => x), ...bar("model").flatMap(([a, , b]) => [a, b]), -1, 1]).map(Math.abs));
+  const option = {
+    grid: [grid],
+    ...rows_axes(labels, grid, width < 560 ? words.short_axis : words.axis, reach),
+    ...zooming(1),
+    series,
+    legend: legend(series, shown),
+    tooltip: {
+      trigger: "item",
+      formatter: ({ value }) => {
+        const output = outputs[value[1]];
+        return value.length === 4
+          ? tooltip_box(name_with_unit(output), [`Specimen ${output.numbers?.[value[2]] ?? value[2] + 1}: ${number_text(value[3], 5)}`])
+          : tooltip_box(name_with_unit(output), [
+              `${words.tooltip.test}: ${ends_text(output.test)}`,
+              `${words.tooltip.model}: ${ends_text(output.model)}`,
+            ]);
+      },
+    },
+  };
+  return { option, height: grid.top + grid.height + 52 };
 }

@@ -61,7 +61,7 @@ const unit_text = (unit) => (unit && unit !== "-" ? ` ${unit}` : "");
 const range_text = (ends) => `${short_number(ends[0], 3)} … ${short_number(ends[1], 3)}`;
 
 export function value_text({ estimate, interval, unit, number }) {
-  if (!is_number(estimate)) return "–";
+  if (!is_number(estimate)) return interval ? `${range_text(interval)}${unit_text(unit)}` : "–";
   const known = interval ? ` (${range_text(interval)})` : "";
   return `${number_text(estimate)}${known}${unit_text(unit)}${number ? ` = ${number}` : ""}`;
 }
@@ -84,6 +84,13 @@ export function mark_badge({ mark, reason, is_confirmed }) {
   return element("span", { class: `mark ${tone}`, title: reason, "data-mark": mark }, `${shown.sign} ${shown.word}`);
 }
 
+/** A track between the numbers of its ends. */
+function scaled_track(finding) {
+  const span = span_of([finding]);
+  const end = (value) => element("span", { class: "bar-end" }, short_number(value, 3));
+  return span && element("div", { class: "bar-scale", "aria-hidden": "true" }, end(span.low), track(finding, span), end(span.high));
+}
+
 function bar(finding) {
   const says = ["at-bound", "not-seen"].includes(finding.mark) ? finding.reason : null; // the conclusion says the others
   return element(
@@ -96,7 +103,7 @@ function bar(finding) {
       element("span", { class: "bar-value" }, value_text(finding)),
       mark_badge(finding),
     ),
-    track(finding),
+    scaled_track(finding),
     says ? element("div", { class: "bar-reason" }, says) : null,
   );
 }
@@ -110,10 +117,8 @@ export function key(findings) {
     { class: "bar-key", "aria-hidden": "true" },
     any("prior") ? entry("prior", "prior, 95 %") : null,
     any("specimens") ? entry("specimens", "specimens, 95 %") : null,
-    any("interval") ? entry("interval", any("is_box") ? "box: bounds of the parameter" : "mean, 95 % interval") : null,
-    findings.some(({ estimate }) => is_number(estimate))
-      ? entry("estimate", any("is_box") ? "middle of the box" : "estimate")
-      : null,
+    any("interval") ? entry("interval", any("is_box") ? "box" : any("is_posterior") ? "posterior, 95 %" : "mean, 95 % interval") : null,
+    findings.some(({ estimate }) => is_number(estimate)) ? entry("estimate", any("is_posterior") ? "its mean" : "estimate") : null,
     findings.some(({ bounds }) => bounds.some(is_number)) ? entry("bound", "bound") : null,
   );
 }

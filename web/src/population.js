@@ -21,6 +21,14 @@ export const is_posterior = (study) => estimate_of(study).kind === "posterior";
 /** Whether the estimate is bounds of the parameters, whose moments are those of an even spread. */
 export const is_box = (study) => estimate_of(study).kind === "box";
 
+/** What the method answers beside a mean and a scatter: "batches", a "box" or a "posterior" of samples; else null. */
+export function answer_kind(study) {
+  const { components, posterior, abc } = study.result;
+  if (list(components).length) return "batches";
+  if (is_box(study)) return "box";
+  return is_posterior(study) || list(record(posterior).names).length || record(abc).stages ? "posterior" : null;
+}
+
 /** How much of the population or posterior the regions of pairs hold, as the result says it. */
 export const region_text = ({ parameters }) => `${short_number(100 * record(parameters.estimate).region_probability, 2)}\u00a0%`;
 
@@ -56,7 +64,8 @@ export function parameter_of(study, { index, name, unit }) {
     curves: {
       prior: points_of(densities.prior, "x", "density"),
       updated: points_of(densities.updated, "x", "density"),
-      band: points_of(densities.band, "x", "least", "greatest"),
+      // The intervals bound normal densities, which several batches together have not.
+      band: list(study.result.components).length > 1 ? [] : points_of(densities.band, "x", "least", "greatest"),
     },
     mean_ci95: numbers_or_null(list(block.mean_ci95)[index]),
     std_ci95: numbers_or_null(list(block.std_ci95)[index]),

@@ -1,10 +1,9 @@
-// Drawings of a sampled posterior: ranks of its chains, stages of its islands, their evidences, intervals of outputs with the tests.
+// Drawings of a sampled posterior: ranks of its chains, stages of its islands, their evidences.
 import { extent, is_number } from "./data.js";
 import { legend, legend_height, tooltip_box, zooming } from "./charts.js";
-import { name_with_unit, number_text, plural, short_number } from "./format.js";
-import { row_bars, row_label, row_marks, rows_axes, rows_grid } from "./output_rows.js";
+import { number_text, plural, short_number } from "./format.js";
 import { band_series, layout, line_series, panel_frame } from "./panels.js";
-import { band, bound, model, paper, test, test_band } from "./palette.js";
+import { band, model, paper, test, test_band } from "./palette.js";
 
 const island_line = { color: model, width: 1.3, opacity: 0.6 };
 
@@ -142,60 +141,4 @@ export function evidence_panel({ value, interval, islands, by_importance }, widt
     tooltip: { trigger: "item", formatter: ({ value: point }) => tooltip_box(`Island ${point[1]}`, [`ln evidence ${number_text(point[0], 6)}`]) },
   };
   return { option, height };
-}
-
-const bar_names = { test: "95 % of further tests", model: "95 % of the model's outputs", inside: "Specimen", outside: "Specimen outside" };
-/** In what the bars are drawn: halves of the interval of a further test from its median. */
-function in_halves({ test: ends, median }) {
-  const half = (ends[1] - ends[0]) / 2 || 1;
-  return (value) => (value - median) / half;
-}
-
-/** One bar an output: where its values and further tests lie, with every specimen on it. */
-export function predictive_bars(outputs, width) {
-  const labels = outputs.map((output) => row_label(output, number_text(output.median, 5), width));
-  const shown = Object.values(bar_names);
-  const grid = rows_grid(labels, width, legend_height(shown, width));
-  const place = outputs.map(in_halves);
-  const bar = (key) =>
-    outputs.map((output, row) => (output[key] ? [place[row](output[key][0]), row, place[row](output[key][1])] : [null, row, null]));
-  const far = 4;
-  const points = outputs.flatMap(({ specimens }, row) =>
-    specimens.flatMap((value, k) =>
-      is_number(value) ? [[Math.max(-far, Math.min(far, place[row](value))), row, k, value]] : [],
-    ),
-  );
-  const is_inside = ([, row, , value]) => value >= outputs[row].test[0] && value <= outputs[row].test[1];
-  const series = [
-    row_bars(bar_names.test, bar("test"), { fill: band }, 0.3, 1),
-    row_bars(bar_names.model, bar("model"), { fill: model }, 0.12, 2),
-    row_marks(bar_names.inside, points.filter(is_inside), test, "diamond"),
-    row_marks(bar_names.outside, points.filter((point) => !is_inside(point)), bound, "triangle"),
-  ];
-  const reach = 1.05 * Math.max(1.5, ...extent([...points.map(([x]) => x), ...bar("model").flatMap(([a, , b]) => [a, b]), -1, 1]).map(Math.abs));
-  const option = {
-    grid: [grid],
-    ...rows_axes(
-      labels,
-      grid,
-      width < 560
-        ? "Half widths of the bar from its median"
-        : "Distance from the median, in half widths of the 95 % interval of a further test",
-      reach,
-    ),
-    ...zooming(1),
-    series,
-    legend: legend(series, shown),
-    tooltip: {
-      trigger: "item",
-      formatter: ({ value }) => {
-        const output = outputs[value[1]];
-        const text = (ends) => (ends ? `${number_text(ends[0], 5)} … ${number_text(ends[1], 5)}` : "–");
-        return value.length === 4
-          ? tooltip_box(name_with_unit(output), [`Specimen ${value[2] + 1}: ${number_text(value[3], 5)}`])
-          : tooltip_box(name_with_unit(output), [`Further test, 95 %: ${text(output.test)}`, `Model, 95 %: ${text(output.model)}`]);
-      },
-    },
-  };
-  return { option, height: grid.top + grid.height + 52 };
 }

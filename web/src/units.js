@@ -105,6 +105,7 @@ function convert_parameters(block, units, factors) {
     mean_ci95: ends,
     std_ci95: ends,
     bounds: ends,
+    box: ends,
     densities,
   };
   const converted = { ...block, units };
@@ -151,6 +152,15 @@ function convert_regression(regression, factors) {
   );
 }
 
+/** A batch of specimens, whose fields are those of the parameters. */
+const batch = (factors) => (of) => ({
+  ...record(of),
+  mean: vector(record(of).mean, factors),
+  std: vector(record(of).std, factors),
+  mean_ci95: ends(record(of).mean_ci95, factors),
+  std_ci95: ends(record(of).std_ci95, factors),
+});
+
 /** The page's data {result, clouds, ...} with parameters in units that are read easily. */
 export function in_readable_units(data) {
   const result = record(data.result);
@@ -190,6 +200,8 @@ export function in_readable_units(data) {
       modes: Array.isArray(result.modes)
         ? result.modes.map((mode) => ({ ...record(mode), mean: by_parameter([record(mode).mean], factors)[0] }))
         : result.modes,
+      components: Array.isArray(result.components) ? result.components.map(batch(factors)) : result.components,
+      interval: result.interval && { ...result.interval, hull: ends(record(result.interval).hull, factors) },
       regression: convert_regression(result.regression, factors),
     },
   };

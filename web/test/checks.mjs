@@ -86,6 +86,11 @@ export const checks = [
       const { command, parameters = {} } = result_of(data);
       if (command === "propagate" || !has_numbers(parameters.std)) return;
       const heads = await page.locator('[data-table="parameters"] thead').innerText();
+      if (parameters.estimate?.kind === "box") {
+        assert.match(heads, /Box/);
+        assert.equal((heads.match(/Std\. dev\./g) ?? []).length, 1, "that of the prior");
+        return;
+      }
       assert.equal(/of the mean|Posterior/.test(heads), parameters.is_population === false);
     },
   ],
@@ -131,7 +136,8 @@ export const checks = [
     async ({ page, data }) => {
       const { parameters = {}, outputs = {} } = result_of(data);
       const names = list(parameters.names);
-      for (const key of ["prior_mean", "prior_std", "mean", "std"]) {
+      const estimated = parameters.estimate?.kind === "box" ? [] : ["mean", "std"]; // a box has its ends alone
+      for (const key of ["prior_mean", "prior_std", ...estimated]) {
         if (has_numbers(parameters[key]))
           await close_to_data(
             page,
@@ -255,9 +261,10 @@ export const checks = [
         await page.locator(`[data-plot="${id}"] .plot-area`).scrollIntoViewIfNeeded();
         const at = await page.locator(`[data-plot="${id}"] .plot-area`).boundingBox();
         assert.ok(box);
-        await page.mouse.move(at.x + 110, at.y + 90);
+        const { left, top } = await page.evaluate((plot) => window.mottle.charts[plot].getOption().grid[0], id);
+        await page.mouse.move(at.x + left + 20, at.y + top + 20);
         await page.mouse.down();
-        await page.mouse.move(at.x + 180, at.y + 140, { steps: 4 });
+        await page.mouse.move(at.x + left + 90, at.y + top + 70, { steps: 4 });
         await page.mouse.up();
         assert.equal(await zoomed(), true, `${id} did not zoom`);
         await page.click(`[data-plot="${id}"] .tools button >> nth=1`);

@@ -9,6 +9,18 @@ export const result_of = (data) => (is_modes(data) ? { title: data.title } : (da
 
 const is_update = (result) => (result.command ? result.command === "update" : list(result.iterations).length > 0);
 
+/** What a method answers beside a mean and a scatter, or null. */
+export function answer_of(result) {
+  const { components, parameters = {}, posterior, abc } = result;
+  if (list(components).length) return "batches";
+  if (parameters.estimate?.kind === "box") return "box";
+  return parameters.estimate?.kind === "posterior" || list(posterior?.names).length || abc?.stages ? "posterior" : null;
+}
+
+/** A box and a posterior are not approached by means of clouds: nothing of theirs is drawn against iterations. */
+const has_iterations = ({ parameters, posterior }) =>
+  !["box", "posterior"].includes(parameters?.estimate?.kind) && !posterior?.names;
+
 /** Plots of the estimate itself, which stand before those of the iterations. */
 function plots_of_estimate(result) {
   const { parameters = {}, identifiability, specimens, prediction, posterior } = result;
@@ -26,8 +38,11 @@ function plots_of_estimate(result) {
   const has_bar = (k) => list(prediction.interval95?.[k]).filter(is_number).length === 2 && prediction.std?.[k] > 0;
   const has_directions = list(identifiability?.unseen_directions).length > 0;
   const has_density = (_, i) => is_number(parameters.mean?.[i]) && is_number(parameters.std?.[i]);
+  const is_box = parameters.estimate?.kind === "box";
   return [
-    is_update(result) && names.some(has_density) && Array.isArray(parameters.densities) ? "densities" : null,
+    list(result.components).length ? "batches" : null,
+    is_box && list(result.interval?.image).length ? "cover" : null,
+    is_update(result) && !is_box && names.some(has_density) && Array.isArray(parameters.densities) ? "densities" : null,
     has_correlations && names.length >= 4 && in_map >= 3 ? "correlation-map" : null,
     has_correlations ? (is_posterior ? "posterior-pairs" : "correlation-ellipses") : null,
     has_numbers(identifiability?.singular_values) ? "singular-values" : null,
@@ -50,7 +65,7 @@ function plots_of_estimate(result) {
 export function expected_plots(data) {
   const result = result_of(data);
   const iterations = list(result.iterations);
-  const any = (field) => iterations.length > 2 && iterations.some((entry) => is_number(entry[field]) || has_numbers(entry[field]));
+  const any = (field) => has_iterations(result) && iterations.length > 2 && iterations.some((entry) => is_number(entry[field]) || has_numbers(entry[field]));
   const outputs = list(result.outputs?.names).length;
   const shown = new Set([
     ...list(data.clouds).map(({ iteration }) => iteration),
@@ -66,8 +81,8 @@ export function expected_plots(data) {
     list(result.sample_size?.curve?.n_total).length > 2 ? "sample-size" : null,
     has_numbers(result.spearman) ? "spearman" : null,
     outputs > 1 && shown.size ? "scatter-first-last" : null,
-    outputs > 1 && shown.size > 1 ? "scatter-outputs" : null,
-    list(result.parameters?.names).length > 1 && has_numbers(list(data.clouds).map(({ parameters }) => parameters))
+    outputs > 1 && shown.size > 1 && has_iterations(result) ? "scatter-outputs" : null,
+    (has_iterations(result) || shown.size === 1) && list(result.parameters?.names).length > 1 && has_numbers(list(data.clouds).map(({ parameters }) => parameters))
       ? "scatter-parameters"
       : null,
     has_numbers(result.regression?.percent_per_percent) ? "sensitivity-percent" : null,

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { statSync } from "node:fs";
 import path from "node:path";
 import { in_readable_units, shown_unit } from "../src/units.js";
-import { is_modes, list, result_of } from "./expectations.mjs";
+import { answer_of, is_modes, list, result_of } from "./expectations.mjs";
 
 const is_update = (data) =>
   !is_modes(data) && (result_of(data).command ?? "update") === "update" && Boolean(data.result.parameters);
@@ -43,6 +43,10 @@ export const first_screen_checks = [
     async ({ page, data }) => {
       const rows = list(result_of(data).agreement?.outputs);
       if (!rows.length) return;
+      if (answer_of(result_of(data)) === "box") {
+        assert.equal(await page.locator('[data-table="agreement"]').count(), 0, "a box has no mean and no scatter");
+        return;
+      }
       const table = page.locator('[data-table="agreement"]');
       const shown = await table.locator("tbody tr").evaluateAll((all) => all.map((row) => row.dataset.row));
       assert.deepEqual(

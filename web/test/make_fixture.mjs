@@ -11,7 +11,7 @@ import { add_curves } from "./curves_fixture.mjs";
 import { eigen, random_normal } from "./matrix.mjs";
 import { with_first_screen } from "./first_screen_fixture.mjs";
 import { add_posterior } from "./posterior_fixture.mjs";
-import { prediction_of, with_population } from "./population_fixture.mjs";
+import { prediction_of, with_batches, with_population } from "./population_fixture.mjs";
 import { update } from "./simulate.mjs";
 import { modes_page, plate_mac, plate_modes } from "./structure_fixture.mjs";
 
@@ -419,6 +419,7 @@ const pages = {
   modes: () => modes_page(20, 10, 8),
   shapes: () => ({ ...case_1(), modes: plate_modes(20, 10, 3), mac: plate_mac(3, 3) }),
   posterior: () => as_posterior(case_1()),
+  batches: () => with_batches(population()),
   old: () => without_curves(population()),
   empty: () => ({ result: { title: "Nothing but a title" } }),
 };

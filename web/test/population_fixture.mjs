@@ -140,3 +140,24 @@ export function with_population(data, { scales = [], unseen = 0, outliers = [], 
   if (prediction) result.prediction = prediction;
   return data;
 }
+
+/** The same with its specimens in two batches, one of them doubtful and one an outlier. */
+export function with_batches(data) {
+  const { parameters, specimens } = data.result;
+  const half = Math.ceil(specimens.parameters.length / 2);
+  const component = (sign, count) => ({
+    weight: count / specimens.parameters.length,
+    mean: parameters.mean.map((value, i) => value + sign * (i === 0 ? 0.1 : 1.4) * parameters.std[i]),
+    std: parameters.std.map((value) => 0.4 * value),
+    specimens: count,
+  });
+  data.result.components = [component(-1, half), component(1, specimens.parameters.length - half)];
+  data.result.assignments = specimens.parameters.map((_, k) => {
+    const second = k < half ? 1e-6 : 0.999;
+    if (k === 1) return { specimen: 2, component: 1, probabilities: [0.71, 0.285], outlier_probability: 0.005 };
+    if (k === 3) return { specimen: 4, component: null, probabilities: [1e-9, 1e-12], outlier_probability: 1 };
+    return { specimen: k + 1, component: k < half ? 1 : 2, probabilities: [1 - second, second], outlier_probability: 1e-6 };
+  });
+  Object.assign(data.result.verdict, { answer: "The specimens come from <2> batches." });
+  return data;
+}

@@ -11,6 +11,7 @@ import { mkdirSync, readFileSync } from "node:fs";
 import path from "node:path";
 import { parseArgs } from "node:util";
 import { in_readable_units } from "../src/units.js";
+import { answer_checks } from "./answer_checks.mjs";
 import { open_browser, patience } from "./browser.mjs";
 import { checks } from "./checks.mjs";
 import { compare_checks } from "./compare_checks.mjs";
@@ -67,7 +68,7 @@ function views_of(data, name) {
   const small = { width: has_scene(data) ? 480 : 800, height: 700 };
   const window = values.thorough ? { width: 1280, height: 900 } : small;
   const structure = has_scene(data) ? scene_checks : [];
-  const contents = [...first_screen_checks, ...population_checks, ...posterior_checks, ...checks];
+  const contents = [...first_screen_checks, ...answer_checks, ...population_checks, ...posterior_checks, ...checks];
   const layout = values.thorough || !values["laid-out-as-others"].includes(name) ? layout_checks : [];
   return [[window, [...structure, ...contents, ...layout, ...last_checks]]];
 }
