@@ -61,14 +61,13 @@ void add_interval(const UpdatingProblem& problem, const IntervalResult* interval
 }
 
 std::vector<std::string> interval_sentences(const UpdatingProblem& problem, const IntervalResult& interval) {
-  std::vector<std::string> left, proven;
+  std::vector<std::string> proven;
   double widest = 0.0;
   std::string widest_name;
   for (std::size_t k = 0; k < interval.image.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
     const OutputRange& range = interval.image[k];
     const std::string name = problem.model.outputs()[k].name();
-    if (interval.excess.row(row).minCoeff() < 0.0) left.push_back(name);
     if (range.is_certified) proven.push_back(name);
     const double asked = interval.tests.limits(row, 1) - interval.tests.limits(row, 0);
     if (!(asked > 0.0) || (range.upper - range.lower) / asked <= widest) continue;
@@ -76,14 +75,12 @@ std::vector<std::string> interval_sentences(const UpdatingProblem& problem, cons
     widest_name = name;
   }
   std::vector<std::string> sentences;
-  sentences.push_back(left.empty() ? "The outputs of the box cover the bounds of all tests that were asked for."
-                                   : "The outputs of the box do not cover the bounds of " + join(left) + ".");
   if (!widest_name.empty()) {
-    sentences.push_back(fmt::format("Its image is at most {:.3g} times as wide as the bounds to be covered ({}).",
-                                    widest, widest_name));
+    sentences.push_back(fmt::format(
+        "The image of the box is at most {:.3g} times as wide as the bounds to be covered ({}).", widest, widest_name));
   }
   sentences.push_back(
-      proven.size() == interval.image.size() ? "That no parameters in the box give outputs beyond its image is proven."
+      proven.size() == interval.image.size() ? "That no parameters in the box give outputs beyond the image is proven."
       : proven.empty()                       ? "The image was searched for and is not proven."
                        : "The image is proven for " + join(proven) + ", and searched for of the others.");
   return sentences;

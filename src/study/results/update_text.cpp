@@ -71,6 +71,7 @@ void add_next_step(const UpdateOutcome& outcome, const NextStep& step, std::vect
 std::vector<std::string> first_lines(const UpdateOutcome& outcome, const VerdictSummary& first) {
   constexpr std::size_t k_shown = 3;
   std::vector<std::string> lines{fmt::format("verdict: {}", conclusion_text(outcome.verdict.conclusion))};
+  if (!first.answer.empty()) lines.push_back("  " + first.answer);
   for (std::size_t i = 0; i < std::min(first.causes.size(), k_shown); ++i)
     lines.push_back("  " + first.causes[i].sentence);
   if (first.causes.empty()) lines.push_back("  " + first.headline);

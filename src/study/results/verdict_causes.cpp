@@ -152,11 +152,13 @@ void add_open_questions(const SummarySources& s, Causes& causes) {
   const bool has_population = s.problem.tests.values.rows() > 1;
   if (s.result.status != UpdatingStatus::converged) {
     const bool is_stalled = s.result.status == UpdatingStatus::stalled;  // more of the same would not help
-    causes.push_back({.kind = "not-converged",
-                      .sentence = "The iteration did not converge: " + s.result.message + '.',
-                      .next = !is_stalled              ? more_iterations(s)
-                              : s.result.is_population ? diagnosis(s)
-                                                       : population_method(s)});
+    causes.push_back(
+        {.kind = "not-converged",
+         .sentence = (s.result.posterior ? "The sampling is in doubt: " : "The iteration did not converge: ") +
+                     s.result.message + (s.result.message.ends_with('.') ? "" : "."),
+         .next = !is_stalled              ? more_iterations(s)
+                 : s.result.is_population ? diagnosis(s)
+                                          : population_method(s)});
   }
   if (!s.result.is_population && has_population && !s.result.interval) {
     causes.push_back(

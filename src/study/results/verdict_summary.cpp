@@ -7,6 +7,7 @@
 
 #include "mottle/core/text.hpp"
 #include "study/results/interval_json.hpp"
+#include "study/results/method_answer.hpp"
 #include "study/results/next_steps.hpp"
 #include "study/results/verdict_causes.hpp"
 
@@ -195,6 +196,7 @@ void say_assumptions(const SummarySources& s, std::vector<std::string>& sentence
 VerdictSummary summarise_verdict(const SummarySources& sources) {
   VerdictSummary summary;
   summary.headline = headline_of(sources);
+  summary.answer = method_answer(sources.problem, sources.result);
   summary.causes = find_causes(sources);
   summary.sentences = sources.result.warnings;
   summary.is_reassuring = summary.sentences.empty() && summary.causes.empty() &&
@@ -215,6 +217,7 @@ VerdictSummary summarise_verdict(const SummarySources& sources) {
 
 void add_summary(const VerdictSummary& summary, Json& verdict) {
   verdict["headline"] = summary.headline;
+  verdict["answer"] = summary.answer.empty() ? Json(nullptr) : Json(summary.answer);
   verdict["is_reassuring"] = summary.is_reassuring;
   verdict["summary"] = summary.sentences;
   verdict["causes"] = causes_json(summary.causes);

@@ -30,6 +30,7 @@ struct VerdictCause {
 
 struct VerdictSummary {
   std::string headline;
+  std::string answer = {};             ///< of the method itself, see method_answer(); empty: the headline is all
   bool is_reassuring = false;          ///< adequate, means and scatter are reproduced, and no cause tells of a doubt
   std::vector<VerdictCause> causes;    ///< the most useful first
   std::vector<std::string> sentences;  ///< means, scatter, assumptions
@@ -54,7 +55,7 @@ Json causes_json(const std::vector<VerdictCause>& causes);
 /// It never sounds better than the verdict, and worse where means or scatter are not reproduced.
 VerdictSummary summarise_verdict(const SummarySources& sources);
 
-/// Adds `headline`, `is_reassuring`, `causes`, `summary` and `next` to `verdict` of result.json.
+/// Adds `headline`, `answer`, `is_reassuring`, `causes`, `summary` and `next` to `verdict` of result.json.
 void add_summary(const VerdictSummary& summary, Json& verdict);
 
 }  // namespace mottle::study
