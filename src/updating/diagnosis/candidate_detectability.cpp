@@ -12,15 +12,6 @@ namespace {
 
 constexpr double k_min_variance = 1e-10;  // of a direction of the outputs without variance to rounding
 
-/// dy/dx of every parameter and candidate at x [output x parameter]; 0 where the model fails on both sides.
-Eigen::MatrixXd sensitivity_at(CandidateFits& fits, const Eigen::VectorXd& x) {
-  Eigen::MatrixXd slope = fits.derivatives_at(Eigen::MatrixXd(x.transpose())).front();
-  for (auto column : slope.colwise()) {
-    if (!column.allFinite()) column.setZero();
-  }
-  return slope;
-}
-
 /// What a direction keeps when the span of `others` is taken from it.
 Eigen::VectorXd own_part(const Eigen::MatrixXd& others, const Eigen::VectorXd& direction) {
   if (others.cols() == 0) return direction;
@@ -31,13 +22,15 @@ Eigen::VectorXd own_part(const Eigen::MatrixXd& others, const Eigen::VectorXd& d
 
 }  // namespace
 
-DetectabilityAnalysis analyse_detectability(CandidateFits& fits, const SetFit& base) {
+DetectabilityAnalysis analyse_detectability(const CandidateFits& fits, const SetFit& base, Eigen::MatrixXd slope) {
   const ParameterSpace& space = fits.problem().space;
   const Eigen::Index given = fits.settings().given;
   const Eigen::Index all = space.count();
   Eigen::VectorXd x = space.prior().mean();
   x.head(given) = base.mean;
-  const Eigen::MatrixXd slope = sensitivity_at(fits, x);
+  for (auto column : slope.colwise()) {
+    if (!column.allFinite()) column.setZero();
+  }
   const Eigen::MatrixXd reached = slope.leftCols(given);
   Eigen::MatrixXd total = reached * base.covariance * reached.transpose();
   total.diagonal() += base.fit.noise;

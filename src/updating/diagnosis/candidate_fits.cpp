@@ -45,6 +45,14 @@ double likelihood_ratio_p(double log_likelihood_increase, bool is_random) {
 
 }  // namespace
 
+void note_increase(double log_likelihood_increase, Eigen::Index specimens, CandidateFit& fit) {
+  const double added = fit.is_random ? 2.0 : 1.0;
+  fit.log_likelihood_increase = log_likelihood_increase;
+  fit.bic = added * std::log(static_cast<double>(specimens)) - 2.0 * log_likelihood_increase;
+  fit.p_value = likelihood_ratio_p(log_likelihood_increase, fit.is_random);
+  fit.adjusted_p = fit.p_value;
+}
+
 ParameterSet ParameterSet::with(Eigen::Index member, bool is_random) const {
   ParameterSet more = *this;
   more.members.push_back(member);
@@ -130,6 +138,9 @@ SetFit CandidateFits::fit(const ParameterSet& set, const Eigen::VectorXd& start)
     result.covariance = population.covariance();
     result.standard_deviation = result.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     result.location = to_variables(space.transforms(), result.fit.mean.transpose()).row(0);
+    result.unbounded = to_variables(space.transforms(), result.fit.unbounded_mean.transpose()).row(0);
+    result.bound_cost = result.fit.unbounded_log_likelihood - result.fit.effects.log_likelihood;
+    result.residuals = residuals_of(result.fit.units, result.fit.effects);
     const Eigen::VectorXi active = space.active_bounds(result.location);
     for (std::size_t i = 0; i < set.members.size(); ++i) {
       if (set.members[i] < settings_.given && active(static_cast<Eigen::Index>(i)) != 0) result.is_within = false;
@@ -204,13 +215,12 @@ CandidateFit CandidateFits::compare(const ParameterSet& set, const SetFit& base,
   result.is_random = is_random;
   result.failure = more.failure;
   if (!more.failure.empty()) return result;
-  result.log_likelihood_increase = more.fit.effects.log_likelihood - base.fit.effects.log_likelihood;
-  const double added = is_random ? 2.0 : 1.0;
-  result.bic = added * std::log(static_cast<double>(specimens())) - 2.0 * result.log_likelihood_increase;
-  result.p_value = likelihood_ratio_p(result.log_likelihood_increase, is_random);
-  result.adjusted_p = result.p_value;
+  note_increase(more.fit.effects.log_likelihood - base.fit.effects.log_likelihood, specimens(), result);
   const Eigen::Index last = more.mean.size() - 1;
   result.mean = more.mean(last);
+  if (is_at_limit(candidate, more.unbounded(last), more.location(last)))
+    note_limit(more.unbounded(last), more.bound_cost, result);
+  result.residuals = more.residuals;
   result.standard_deviation = more.standard_deviation(last);
   result.is_within = more.is_within;
   result.converged = more.fit.converged;

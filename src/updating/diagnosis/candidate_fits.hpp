@@ -29,8 +29,11 @@ struct SetFit {
   Eigen::VectorXd location;  ///< what their bounds hold for, see Estimate::location() [member]
   Eigen::VectorXd standard_deviation;
   Eigen::MatrixXd covariance;
-  bool is_within = true;  ///< no given parameter on a bound
-  std::string failure;    ///< empty: there is a fit
+  Eigen::VectorXd unbounded;  ///< where the mean would be if no bound held it, in the last linear models [member]
+  double bound_cost = 0.0;    ///< of log-likelihood there: what the bounds take from it
+  Eigen::VectorXd residuals;  ///< as CandidateFit::residuals
+  bool is_within = true;      ///< no given parameter on a bound
+  std::string failure;        ///< empty: there is a fit
 };
 
 /// A linear random-effects problem and where its estimate starts.
@@ -39,6 +42,12 @@ struct LinearProblem {
   Eigen::MatrixXd start;
   RandomEffectsSettings settings;
 };
+
+/// dy/dx of one candidate, on its own axis, at each specimen [output]; nan where the model fails on both sides.
+using CandidateEffects = std::vector<Eigen::VectorXd>;
+
+/// Log-likelihood over the set alone, and what follows from it: BIC and p-value, by whether the fit is random.
+void note_increase(double log_likelihood_increase, Eigen::Index specimens, CandidateFit& fit);
 
 class CandidateFits {
  public:
@@ -64,25 +73,26 @@ class CandidateFits {
   std::pair<CandidateFit, CandidateFit> compare_both(const ParameterSet& set, const SetFit& base,
                                                      Eigen::Index candidate);
 
-  /// dy/dx of every parameter and candidate, [output x parameter] for each sample; nan where the model fails on both
-  /// sides.
-  std::vector<Eigen::MatrixXd> derivatives_at(const Eigen::MatrixXd& samples);
-  /// The same at the specimens of `base`.
-  std::vector<Eigen::MatrixXd> derivatives_at(const SetFit& base, const ParameterSet& set);
+  /// dy/dx of every parameter and candidate at the mean of `base` [output x parameter]; nan where the model fails on
+  /// both sides.
+  Eigen::MatrixXd slope_at(const SetFit& base, const ParameterSet& set);
+  /// The effect of a candidate at each specimen of `base`.
+  CandidateEffects effects_at_specimens(const SetFit& base, const ParameterSet& set, Eigen::Index candidate);
 
   /// The linear models at the specimens of `base`: of the set alone, and with a candidate beside it.
-  ///
-  /// @param derivatives  at these specimens
   LinearProblem linear_problem(const SetFit& base, const ParameterSet& set) const;
   LinearProblem linear_problem(const SetFit& base, const ParameterSet& set, Eigen::Index candidate, bool is_random,
-                               const std::vector<Eigen::MatrixXd>& derivatives) const;
+                               const CandidateEffects& effects) const;
 
-  /// Increase of the log-likelihood by the random candidate in the linear models at the specimens of `base`, its mean
-  /// within its bounds and five prior standard deviations; -1 where there is none.
+  /// The candidate in the linear models of `base`, fixed or random, whichever has the lower BIC. Its mean is kept
+  /// within its bounds, its physical limits and five prior standard deviations. May be called from several threads.
   ///
-  /// @param derivatives  at these specimens
-  double linear_gain(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,
-                     const std::vector<Eigen::MatrixXd>& derivatives) const;
+  /// @param effect  of the candidate, the same for all specimens: a column of slope_at()
+  CandidateFit linear_answer(const SetFit& base, const ParameterSet& set, Eigen::Index candidate,
+                             const Eigen::VectorXd& effect) const;
+
+  /// Means of the tests less those of a linear random-effects fit, in standard errors of the tests' means [output].
+  Eigen::VectorXd residuals_of(const std::vector<RandomEffectsUnit>& units, const RandomEffectsFit& fit) const;
 
   /// Whether more parameters can be put beside `count`: the noise must stay known or have rows to be estimated from.
   bool has_room_for(Eigen::Index count) const;
@@ -98,6 +108,18 @@ class CandidateFits {
   double reachable_shift(Eigen::Index candidate, double shift) const;
   double distance_beside(const ParameterSet& set, const Eigen::VectorXd& nominal, const TestMoments& tests,
                          const Eigen::VectorXd& origin, Eigen::VectorXd& t);
+  /// The same of one kind.
+  CandidateFit linear_fit(const SetFit& base, const ParameterSet& set, Eigen::Index candidate, bool is_random,
+                          const CandidateEffects& effects) const;
+  /// dy/dx of some parameters or candidates, the others at their nominal values [output x member], at each sample.
+  std::vector<Eigen::MatrixXd> derivatives_at(const Eigen::MatrixXd& samples, const std::vector<Eigen::Index>& members);
+  /// The nearest mean that bounds and physical limits allow a candidate.
+  double within_limits(Eigen::Index candidate, double mean) const;
+  /// Whether a mean lies on the bound or limit that `needed` is beyond.
+  bool is_at_limit(Eigen::Index candidate, double needed, double mean) const;
+  /// Notes what mean the tests ask for, where a bound or a limit holds it: `cost` is the log-likelihood that this
+  /// takes.
+  static void note_limit(double needed, double cost, CandidateFit& fit);
   std::vector<int> groups_of(const ParameterSet& set) const;
   PopulationFit fit_from(const UpdatingProblem& part, const ParameterSet& set, const Eigen::VectorXd& start);
 
@@ -119,6 +141,7 @@ struct DetectabilityAnalysis {
   Eigen::MatrixXd cosines;         ///< [candidate x candidate]
   Eigen::Index judging = 0;
 };
-DetectabilityAnalysis analyse_detectability(CandidateFits& fits, const SetFit& base);
+/// @param slope  at the mean of `base`, see CandidateFits::slope_at()
+DetectabilityAnalysis analyse_detectability(const CandidateFits& fits, const SetFit& base, Eigen::MatrixXd slope);
 
 }  // namespace mottle::updating

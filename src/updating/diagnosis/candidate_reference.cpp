@@ -105,8 +105,7 @@ bool are_finite(const std::vector<double>& values) {
 }  // namespace
 
 void refer_to_replications(const CandidateFits& fits, const ParameterSet& set, const SetFit& base,
-                           const std::vector<Eigen::MatrixXd>& derivatives, std::size_t candidates,
-                           const std::vector<CandidateTry>& tries) {
+                           std::size_t candidates, const std::vector<CandidateTry>& tries) {
   LinearProblem alone = fits.linear_problem(base, set);
   RandomEffectsSettings restricted = alone.settings;
   restricted.is_restricted = true;
@@ -114,7 +113,7 @@ void refer_to_replications(const CandidateFits& fits, const ParameterSet& set, c
   null.root = root_of(null.fit.covariance);
   std::vector<Referred> referred;
   for (const CandidateTry& each : tries) {
-    referred.push_back({each, fits.linear_problem(base, set, each.candidate, each.fit->is_random, derivatives)});
+    referred.push_back({each, fits.linear_problem(base, set, each.candidate, each.fit->is_random, each.effects)});
     start_near(null, alone.start, referred.back().problem);
   }
   start_near(null, Eigen::MatrixXd(alone.start), alone);

@@ -10,6 +10,7 @@ namespace mottle::updating {
 struct CandidateTry {
   Eigen::Index candidate = 0;
   CandidateFit* fit = nullptr;
+  CandidateEffects effects = {};  ///< of CandidateFits::effects_at_specimens()
 };
 
 /// Replaces the p-values of some tries by those of a parametric bootstrap, where these are larger. With few specimens
@@ -22,11 +23,9 @@ struct CandidateTry {
 /// There are 400 draws, in blocks of 100. A try is left out of further ones as soon as RatioDraws::decide() says that
 /// they could not change its significance at any of Holm's levels, from level / (2 candidates) to level.
 ///
-/// @param derivatives  of fits.derivatives_at(base, set)
-/// @param candidates   number of all candidates, each of which is tried in two kinds
+/// @param candidates  number of all candidates, each of which is tried in two kinds
 /// Source: [Davison1997], ch. 4; sequential stop after [Besag1991].
 void refer_to_replications(const CandidateFits& fits, const ParameterSet& set, const SetFit& base,
-                           const std::vector<Eigen::MatrixXd>& derivatives, std::size_t candidates,
-                           const std::vector<CandidateTry>& tries);
+                           std::size_t candidates, const std::vector<CandidateTry>& tries);
 
 }  // namespace mottle::updating

@@ -80,10 +80,10 @@ void confine_mean(const Frame& frame, const Eigen::MatrixXd& held, const Eigen::
 }
 
 /// The estimate with its mean kept within the bounds: parameters that would leave them are held on them.
-RandomEffectsFit fit_within_bounds(const UpdatingProblem& problem, const Frame& frame,
-                                   const std::vector<RandomEffectsUnit>& units, const Eigen::MatrixXd& start,
-                                   RandomEffectsSettings& settings) {
+void fit_within_bounds(const UpdatingProblem& problem, const Frame& frame, const Eigen::MatrixXd& start,
+                       PopulationFit& population) {
   const Eigen::Index effects = frame.map.cols();
+  RandomEffectsSettings& settings = population.settings;
   settings.mean_origin.resize(0);
   settings.mean_directions.resize(0, 0);
   if (frame.directions.size() > 0) {
@@ -93,7 +93,10 @@ RandomEffectsFit fit_within_bounds(const UpdatingProblem& problem, const Frame& 
   const ScaledParameters parameters(problem.space);
   Eigen::MatrixXd held(0, effects);  // rows a with a' m = b
   Eigen::VectorXd level(0);
-  RandomEffectsFit fit = fit_random_effects(units, start, settings);
+  RandomEffectsFit& fit = population.effects;
+  fit = fit_random_effects(population.units, start, settings);
+  population.unbounded_mean = frame.origin + frame.map * fit.mean;
+  population.unbounded_log_likelihood = fit.log_likelihood;
   for (Eigen::Index round = 0; round < effects; ++round) {
     const Eigen::VectorXd t = frame.origin + frame.map * fit.mean;
     const Eigen::VectorXd clamped = parameters.clamp(t);
@@ -112,9 +115,8 @@ RandomEffectsFit fit_within_bounds(const UpdatingProblem& problem, const Frame& 
       level(old + k) = clamped(i) - frame.origin(i);
     }
     confine_mean(frame, held, level, settings);
-    fit = fit_random_effects(units, start, settings);
+    fit = fit_random_effects(population.units, start, settings);
   }
-  return fit;
 }
 
 /// The covariance with no scatter of the parameters that have none.
@@ -258,7 +260,7 @@ PopulationFit fit_population(const UpdatingProblem& problem, const Eigen::Ref<co
         linear_units(values, error, fit.sensitivity, absorbed, fit.specimens, settings.noise, frame.origin, frame.map);
     if (settings.noise.factors > 0 && settings.has_noise_of_residuals)
       take_noise_of_residuals(values, settings.noise, fit);
-    fit.effects = fit_within_bounds(problem, frame, fit.units, start, fit.settings);
+    fit_within_bounds(problem, frame, start, fit);
     start = (1.0 - k_fresh) * fit.effects.covariance + k_fresh * frame.start;
     if (has_error) error = fit.effects.shared;
     const Eigen::VectorXd mean = frame.origin + frame.map * fit.effects.mean;

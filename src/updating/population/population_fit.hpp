@@ -62,6 +62,8 @@ struct PopulationFit {
   bool converged = false;
   std::int64_t evaluations = 0;
   std::shared_ptr<const SampleRegion> region;  ///< to which the model was adapted at last; null: to none
+  Eigen::VectorXd unbounded_mean;              ///< of the last linear problem, if no bound held it
+  double unbounded_log_likelihood = 0.0;       ///< there
 };
 
 /// Whether the noise of any output is estimated.

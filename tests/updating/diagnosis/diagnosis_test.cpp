@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "mottle/stats/distributions/standard_normal.hpp"
 #include "support/instrumented.hpp"
@@ -50,6 +51,14 @@ struct Bench {
     const UpdatingProblem problem{
         .model = *model, .space = *space, .tests = {values, Eigen::VectorXd::Constant(values.cols(), known_noise)}};
     return diagnose(problem, settings, {});
+  }
+
+  /// Bounds one of the parameters.
+  void bound(std::size_t which, double lower, double upper) {
+    std::vector<Parameter> parameters = space->parameters();
+    parameters[which].lower_bound = lower;
+    parameters[which].upper_bound = upper;
+    space = std::make_unique<ParameterSpace>(std::move(parameters), space->prior());
   }
 
   static constexpr Eigen::Index k_many = 32;  // so many that likelihood ratios need no replications
@@ -179,6 +188,100 @@ TEST(Diagnosis, TheSharesAreThoseOfTheWhitenedSensitivities) {
       EXPECT_NEAR(candidate.detectability.own_share, 1.0, 1e-9);
     }
   }
+}
+
+/// The outputs are linear, so what the linear answer says is what the fits find.
+TEST(Diagnosis, TheLinearAnswerIsKnownBeforeAnyFitAndIsThatOfALinearModel) {
+  const Bench bench;
+  const UpdatingProblem problem{.model = *bench.model,
+                                .space = *bench.space,
+                                .tests = {bench.tests(0.5, 0.0), Eigen::VectorXd::Constant(5, Bench::k_noise)}};
+  Diagnosis linear;
+  std::int64_t runs = 0;
+  const Diagnosis found = diagnose(problem, {.given = 2}, {}, [&](const Diagnosis& answer) {
+    linear = answer;
+    runs = bench.model->runs;
+  });
+  EXPECT_TRUE(linear.is_linear);
+  EXPECT_TRUE(linear.is_explained);
+  EXPECT_LT(runs, bench.model->runs / 2);
+  EXPECT_EQ(linear.candidates[0].detectability.name, "x3");
+  EXPECT_FALSE(linear.candidates[0].is_fitted());
+  EXPECT_THAT(diagnosis_headline(linear, 0.05), testing::StartsWith("Linear answer: x3 explains the tests best"));
+  const double fitted = found.candidates[0].fixed.log_likelihood_increase;
+  EXPECT_NEAR(linear.candidates[0].linear.log_likelihood_increase, fitted, 1e-3 * fitted);
+  EXPECT_NEAR(linear.candidates[0].linear.mean, found.candidates[0].fixed.mean, 1e-3);
+}
+
+/// In standard errors of the tests' mean, which is 0.5 off in outputs 3 and 4; the parameters take up part of output 3.
+TEST(Diagnosis, TheBestCandidateTakesTheResidualsAway) {
+  const Diagnosis found = Bench().run(Bench().tests(0.5, 0.0));
+  EXPECT_GT(found.residuals.cwiseAbs().maxCoeff(), 3.0);
+  EXPECT_LT(found.candidates[0].better().residuals.cwiseAbs().maxCoeff(), 2.0);
+}
+
+/// The tests ask for 0.5, and the candidate may be 0.1 at most.
+TEST(Diagnosis, AValueThatCannotBeIsSaidAndRankedBehindWhatCanBe) {
+  Bench bench;
+  bench.bound(2, -1.0, 0.1);
+  Eigen::MatrixXd values = bench.tests(0.5, 0.0);
+  values.col(4).array() += 0.05;
+  const Diagnosis found = bench.run(values);
+  EXPECT_EQ(found.candidates[0].detectability.name, "x4");
+  const CandidateFit& fit = found.candidates[1].better();
+  EXPECT_FALSE(fit.is_possible);
+  EXPECT_LT(fit.bic, found.candidates[0].bic());  // even so it would explain more
+  EXPECT_NEAR(fit.mean, 0.1, 1e-6);
+  EXPECT_NEAR(fit.needed, 0.5, 4.0 * 0.1 / std::sqrt(32.0));
+  EXPECT_THAT(found.sentences, testing::Contains(testing::HasSubstr("x3 would need")));
+  for (const ProposedParameter& proposed : found.proposed) EXPECT_NE(proposed.name, "x3");
+}
+
+/// A spring that is not there: its estimate ends on its limit as often as not, by the error of the tests.
+TEST(Diagnosis, AnEstimateThatIsOnALimitByTheErrorOfTheTestsIsPossible) {
+  int beyond = 0;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    Bench bench;
+    bench.bound(2, 0.0, 10.0);
+    const Diagnosis found = bench.run(bench.tests(0.0, 0.0, Bench::k_many, seed));
+    for (const CandidateFinding& candidate : found.candidates) {
+      if (candidate.detectability.name != "x3") continue;
+      EXPECT_GE(candidate.fixed.mean, 0.0);
+      beyond += candidate.fixed.is_possible ? 0 : 1;
+    }
+  }
+  EXPECT_LE(beyond, 2);  // at a level of 5 %, one-sided: 0.3 of 12
+}
+
+/// x4 moves the outputs as x3 does, but for output 5: by an angle whose tangent is tilt / |(0, -1/2, 1/2, 1, 0)|.
+Bench tilted(double degrees) {
+  Bench bench;
+  bench.slope.col(3) = bench.slope.col(2);
+  bench.slope(4, 3) = std::sqrt(1.5) * std::tan(degrees * std::numbers::pi / 180.0);
+  bench.model = std::make_unique<LinearModel>(Eigen::VectorXd::Zero(5), bench.slope);
+  return bench;
+}
+
+TEST(Diagnosis, CandidatesOfOneDirectionAreNamedTogetherAndOnlyOneIsFittedWhereFitsAreFew) {
+  const Bench bench = tilted(1.0);
+  const Diagnosis found = bench.run(bench.tests(0.5, 0.0), {.given = 2, .screened = 1});
+  EXPECT_THAT(found.alike, testing::UnorderedElementsAre("x3", "x4"));
+  EXPECT_THAT(found.candidates[0].inseparable, testing::ElementsAre(found.candidates[1].detectability.name));
+  EXPECT_FALSE(found.candidates[1].is_fitted());
+  EXPECT_THAT(found.candidates[1].better().failure, testing::HasSubstr("cannot be told apart"));
+  EXPECT_THAT(found.sentences, testing::Contains(testing::HasSubstr("cannot be told apart")));
+}
+
+TEST(Diagnosis, CandidatesThatFormALargerAngleAreToldApart) {
+  const Bench bench = tilted(8.0);
+  const Diagnosis found = bench.run(bench.tests(0.5, 0.0));
+  for (const CandidateFinding& candidate : found.candidates) EXPECT_TRUE(candidate.inseparable.empty());
+  EXPECT_THAT(found.alike, testing::ElementsAre("x3"));
+}
+
+TEST(Diagnosis, AThoroughOneFitsEveryCandidate) {
+  const Diagnosis found = Bench().run(Bench().tests(0.5, 0.0), {.given = 2, .screened = 1, .fits_all = true});
+  for (const CandidateFinding& candidate : found.candidates) EXPECT_TRUE(candidate.is_fitted());
 }
 
 TEST(Diagnosis, RefusesWhatItCannotJudge) {

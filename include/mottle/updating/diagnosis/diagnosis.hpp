@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,8 +15,12 @@ namespace mottle::updating {
 /// How a diagnosis is made.
 struct DiagnosisSettings {
   Eigen::Index given = 0;  ///< the first so many of the problem's parameters are updated, the others candidates
-  int screened = 12;  ///< most candidates that are fitted in the model itself; of more, those best by linear models
+  int screened = 12;      ///< most candidates that are fitted in the model itself; of more, those best by linear models
+  bool fits_all = false;  ///< all candidates are fitted in the first round, however many
   double like_evidence = 6.0;  ///< candidates whose BIC is no more than this above the best one's count as alike
+  /// Candidates whose effects on the outputs, apart from what the given parameters can reproduce, form no larger angle
+  /// than this cannot be told apart.
+  double inseparable_degrees = 5.0;
   double rank_tolerance = 1e-3;
 };
 
@@ -26,9 +32,13 @@ struct CandidateFit {
   double bic = 0.0;                      ///< BIC less that of the parameters alone; negative: better
   double p_value = 1.0;                  ///< of the likelihood ratio
   double adjusted_p = 1.0;               ///< after Holm, over all candidates and both kinds
-  double mean = 0.0;                     ///< of the candidate, on its own axis
+  double mean = 0.0;                     ///< of the candidate, on its own axis, within its bounds and physical limits
   double standard_deviation = 0.0;       ///< of the candidate
-  bool is_within = true;                 ///< no given parameter's mean lies on a bound
+  /// The mean that the tests ask for, where a bound or a physical limit holds it; nan: none does.
+  double needed = std::numeric_limits<double>::quiet_NaN();
+  bool is_possible = true;    ///< false: the tests refuse the bound or limit that holds the mean, at a level of 5 %
+  Eigen::VectorXd residuals;  ///< means of the tests less those of the fit, in standard errors of the former [output]
+  bool is_within = true;      ///< no given parameter's mean lies on a bound
   bool converged = false;
   std::string failure;  ///< why there is no fit; empty: there is
 };
@@ -46,11 +56,16 @@ struct Detectability {
 /// A candidate and all that is known of it.
 struct CandidateFinding {
   Detectability detectability;
+  CandidateFit linear;  ///< in the linear model at the fit of the parameters: the better of both kinds
   CandidateFit fixed;
   CandidateFit random;
-  bool is_screened_out = false;  ///< tried in linear models only, and worse there than the best `screened`
+  bool is_screened_out = false;          ///< tried in the linear model only, and not among the best there
+  std::vector<std::string> inseparable;  ///< other candidates that the tests cannot tell from this one
   double bic() const { return random.bic < fixed.bic ? random.bic : fixed.bic; }
   const CandidateFit& better() const { return random.bic < fixed.bic ? random : fixed; }
+  bool is_fitted() const { return better().failure.empty(); }
+  /// What is known best of it: the fit in the model itself, else the linear answer.
+  const CandidateFit& answer() const { return is_fitted() ? better() : linear; }
 };
 
 /// One parameter of the set that is proposed.
@@ -70,10 +85,12 @@ struct DiagnosisRound {
 
 /// Answer of diagnose().
 struct Diagnosis {
+  bool is_linear = false;       ///< the linear answer: no candidate is fitted in the model itself yet
   double log_likelihood = 0.0;  ///< of the parameters alone
   bool converged = false;       ///< and whether their fit came to rest
   Eigen::VectorXd mean;         ///< of the parameters alone, on their own axes
   Eigen::VectorXd standard_deviation;
+  Eigen::VectorXd residuals;                 ///< of the parameters alone, as CandidateFit::residuals
   std::vector<std::string> at_bound;         ///< parameters whose mean lies on a bound, without candidates
   int unreproduced = 0;                      ///< specimens that no parameters reproduce
   Eigen::Index judging = 0;                  ///< directions of the tests' mean that the given parameters cannot reach
@@ -81,6 +98,7 @@ struct Diagnosis {
   std::vector<CandidateFinding> candidates;  ///< best explanation first
   std::vector<std::string> alike;            ///< candidates that explain as well as the best, itself included
   Eigen::MatrixXd cosines;                   ///< between the candidates' own parts, in the order of `candidates`
+  double inseparable_degrees = 5.0;          ///< the angle up to which candidates cannot be told apart
   bool is_explained = false;                 ///< the best candidate's gain is significant
   std::vector<DiagnosisRound> later_rounds;  ///< from the second on
   std::vector<ProposedParameter> proposed;
@@ -96,13 +114,18 @@ struct Diagnosis {
 ///
 /// A parameter held on its bound and a specimen that cannot be reproduced both lower L: the candidate that mends it
 /// gains. Shapes are turned to the tests' sign before they are compared. Then forward selection by BIC proposes a set.
+/// Before any of these fits all candidates are compared in the linear model at the fit of the parameters alone, and
+/// what this says is handed to `linear_answer`.
 ///
 /// @param problem  its space: the given parameters first, then the candidates at their nominal values (prior means);
 ///                 covariance_groups: of the given parameters, or empty
 /// @throws InvalidInput  no candidate, fewer than 3 specimens, noise unknown where it would decide everything
 /// Source: [Schwarz1978]; [Holm1979]; [Self1987] for the mixture.
-Diagnosis diagnose(const UpdatingProblem& problem, const DiagnosisSettings& settings, const RunContext& context);
+Diagnosis diagnose(const UpdatingProblem& problem, const DiagnosisSettings& settings, const RunContext& context,
+                   const std::function<void(const Diagnosis&)>& linear_answer = {});
 
+/// The answer in one sentence.
+std::string diagnosis_headline(const Diagnosis& diagnosis, double level);
 /// Sentences of a diagnosis, in plain words.
 std::vector<std::string> diagnosis_sentences(const Diagnosis& diagnosis, Eigen::Index outputs, double level);
 
