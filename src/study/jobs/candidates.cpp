@@ -139,6 +139,13 @@ std::optional<double> model_value(const ModelSource& model, const std::vector<Mo
   return *values.begin();
 }
 
+/// Bounds within the support of the prior too: a value that this rules out is none.
+void keep_to_support(StudyParameter& candidate) {
+  const Distribution prior(candidate.distribution);
+  candidate.lower_bound = std::max(candidate.lower_bound, prior.lower());
+  candidate.upper_bound = std::min(candidate.upper_bound, prior.upper());
+}
+
 bool may_be(const StudyParameter& candidate, double value) {
   if (value < candidate.lower_bound || value > candidate.upper_bound) return false;
   return std::isfinite(candidate.transform.from_variable(value));
@@ -165,6 +172,7 @@ std::vector<StudyParameter> about_model_values(const Study& study, std::vector<S
     const std::optional<double> value =
         candidate.is_factor ? std::optional(1.0) : model_value(*study.model, numbers, candidate);
     const Distribution given(candidate.distribution);
+    keep_to_support(candidate);
     if (!value || *value == given.mean() || !may_be(candidate, *value)) continue;
     candidate.distribution = {.kind = DistributionKind::normal, .mean = *value, .std = given.standard_deviation()};
     candidate.may_vanish = *value == 0.0;

@@ -20,7 +20,7 @@ std::vector<StudyParameter> resolve_candidates(const Study& study);
 
 /// The candidates for fits whose reference is the model as it is: each about the model's own value, as wide as its
 /// distribution. About the distribution's mean where the model's value is not known, differs among the targets, or is
-/// none that the candidate may have.
+/// none that the candidate may have. Bounds keep within the distribution's support.
 std::vector<StudyParameter> about_model_values(const Study& study, std::vector<StudyParameter> candidates);
 
 /// Numbers of a model that no parameter moves, as candidates.
