@@ -74,7 +74,7 @@ class RingModel final : public Model {
     Evaluation evaluation = smooth_.evaluate(samples, context);
     for (Eigen::Index s = 0; s < samples.rows(); ++s) {
       const double distance = (samples.row(s) - point_).norm();
-      if (distance > 1e-6 && distance < 0.3) evaluation.outputs.row(s).setConstant(std::nan(""));
+      if (distance > 1e-6 && distance < 0.06) evaluation.outputs.row(s).setConstant(std::nan(""));
     }
     return evaluation;
   }
