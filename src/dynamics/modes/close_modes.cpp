@@ -22,7 +22,7 @@ bool is_within(double value, double of, double limit) {
 std::vector<Eigen::Index> shared_rows(const Eigen::MatrixXd& reference, const Eigen::MatrixXd& measured) {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index k = 0; k < measured.rows(); ++k) {
-    if (measured.row(k).allFinite() && !reference.row(k).isZero(0.0)) rows.push_back(k);
+    if (measured.row(k).allFinite() && reference.row(k).allFinite()) rows.push_back(k);
   }
   return rows;
 }
@@ -44,6 +44,10 @@ double group_mac(const std::vector<int>& group, const std::map<int, Eigen::Index
   return subspace_mac(own(rows, Eigen::all), found(rows, Eigen::all));
 }
 
+Eigen::VectorXd without_gaps(const Eigen::VectorXd& shape) {
+  return shape.array().isNaN().select(0.0, shape);
+}
+
 /// The other modes that are close, the most alike in shape first.
 std::vector<int> neighbours(int mode, const std::map<int, Eigen::Index>& pairs, const ShapesAndFrequencies& reference,
                             const ShapesAndFrequencies& measured) {
@@ -54,9 +58,9 @@ std::vector<int> neighbours(int mode, const std::map<int, Eigen::Index>& pairs, 
         is_within(measured.frequencies(test), frequency, k_partner))
       close.push_back(other);
   }
-  const Eigen::MatrixXd found = measured.shapes.array().isNaN().select(0.0, measured.shapes);
+  const Eigen::VectorXd found = without_gaps(measured.shapes.col(pairs.at(mode)));
   const auto shared = [&](int other) {
-    return std::abs(shape_cosines(reference.shapes.col(other), found.col(pairs.at(mode)))(0, 0));
+    return std::abs(shape_cosines(without_gaps(reference.shapes.col(other)), found)(0, 0));
   };
   std::ranges::stable_sort(close, [&](int a, int b) { return shared(a) > shared(b); });
   return close;

@@ -19,12 +19,14 @@ struct Products {
   Eigen::VectorXd measured, reference;
   double measured_square = 0.0, reference_square = 0.0, product = 0.0;
 
-  explicit Products(const ComparedShape& shape)
-      : measured(shape.measured.array().isNaN().select(0.0, shape.measured)),
-        reference(shape.measured.array().isNaN().select(0.0, shape.reference)),
-        measured_square(measured.squaredNorm()),
-        reference_square(reference.squaredNorm()),
-        product(measured.dot(reference)) {}
+  explicit Products(const ComparedShape& shape) {
+    const auto is_known = !(shape.measured + shape.reference).array().isNaN();
+    measured = is_known.select(shape.measured, 0.0);
+    reference = is_known.select(shape.reference, 0.0);
+    measured_square = measured.squaredNorm();
+    reference_square = reference.squaredNorm();
+    product = measured.dot(reference);
+  }
 
   /// 1 - MAC, where the product is another by `change`.
   double deviation(double change) const {

@@ -14,7 +14,7 @@ namespace mottle::study {
 struct ComparedShape {
   int mode = 0;               ///< the model's
   Eigen::VectorXd measured;   ///< [sensor]; nan: not measured
-  Eigen::VectorXd reference;  ///< [sensor]
+  Eigen::VectorXd reference;  ///< [sensor]; nan: the model has no such component
 };
 
 /// The one change of sensors, of two exchanged or of one turned round, that makes the shapes of all modes agree with

@@ -97,10 +97,10 @@ void SpecimenPairing::leave_out_unlike() {
   const Eigen::VectorXd frequencies = natural_frequencies_hz(model_.reference_modes().eigenvalues.cwiseMax(0.0));
   const std::map<int, Eigen::Index> pairs = assigned_;
   const double minimum = model_.selection().minimum_mac;
+  const Eigen::MatrixXd own = known_reference();
   for (const auto& [reference, test] : pairs) {
     if (mac_(reference, test) >= minimum) continue;
-    CloseModes close =
-        close_modes(reference, pairs, {comparison_.reference, frequencies}, {modes_.shapes, modes_.frequencies});
+    CloseModes close = close_modes(reference, pairs, {own, frequencies}, {modes_.shapes, modes_.frequencies});
     if (close.mac < std::max(minimum, k_sure_mac)) {
       assigned_.erase(reference);
     } else {
@@ -109,15 +109,20 @@ void SpecimenPairing::leave_out_unlike() {
   }
 }
 
+/// The reference's shapes, nan where the model has no such component.
+Eigen::MatrixXd SpecimenPairing::known_reference() const {
+  Eigen::MatrixXd known = comparison_.reference;
+  for (std::size_t k = 0; k < comparison_.terms.size(); ++k) {
+    if (comparison_.terms[k].empty()) known.row(static_cast<Eigen::Index>(k)).setConstant(k_not_measured);
+  }
+  return known;
+}
+
 std::vector<ComparedShape> SpecimenPairing::compared_shapes() const {
   std::vector<ComparedShape> shapes;
-  for (const auto& [reference, test] : assigned_) {
-    ComparedShape shape{reference + 1, modes_.shapes.col(test), comparison_.reference.col(reference)};
-    for (std::size_t k = 0; k < comparison_.terms.size(); ++k) {
-      if (comparison_.terms[k].empty()) shape.measured(static_cast<Eigen::Index>(k)) = k_not_measured;
-    }
-    shapes.push_back(std::move(shape));
-  }
+  const Eigen::MatrixXd own = known_reference();
+  for (const auto& [reference, test] : assigned_)
+    shapes.push_back({reference + 1, modes_.shapes.col(test), own.col(reference)});
   return shapes;
 }
 

@@ -43,6 +43,7 @@ class SpecimenPairing {
 
  private:
   void leave_out_unlike();
+  Eigen::MatrixXd known_reference() const;
   std::string doubt(int reference, Eigen::Index test) const;
   double value_of(const Quantity& output, Eigen::Index test, double scale) const;
   double second(int reference, Eigen::Index test) const;

@@ -17,7 +17,7 @@ struct CloseModes {
 
 /// What the shapes of one specimen and of the model are compared by.
 struct ShapesAndFrequencies {
-  const Eigen::MatrixXd& shapes;  ///< [component x mode]; nan: not measured; zero rows: the model has no such component
+  const Eigen::MatrixXd& shapes;  ///< [component x mode]; nan: not measured, or not in the model
   const Eigen::VectorXd& frequencies;
 };
 
