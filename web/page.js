@@ -1,5 +1,6 @@
 // The report: reads the data, composes the sections that have something to show, draws their plots.
 import { compose_comparison } from "./compare.js";
+import { compose_diagnosis } from "./diagnosis.js";
 import { charts } from "./src/charts.js";
 import { read_study } from "./src/data.js";
 import { button, element, paragraph } from "./src/dom.js";
@@ -160,6 +161,11 @@ function unit_choice(data) {
 function compose(main) {
   const data = read_data();
   if (data?.kind === "compare") return compose_comparison(main, data);
+  if (data?.kind === "diagnosis") {
+    compose_diagnosis(main, data);
+    draw_waiting_figures();
+    return;
+  }
   if (!data || !(data.result || data.kind === "modes")) {
     main.append(
       element("h1", {}, "Mottle report"),

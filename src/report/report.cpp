@@ -61,6 +61,20 @@ Json read_modes(const std::filesystem::path& file) {
   return std::move(modes["modes"]);
 }
 
+/// The page of a diagnosis in the folder, where it was made beside the parameters of this result; null: there is none.
+Json link_to_diagnosis(const std::filesystem::path& folder, const Json& result) {
+  constexpr const char* k_page = "diagnosis.html";
+  if (!std::filesystem::exists(folder / k_page) || !std::filesystem::exists(folder / "diagnosis.json")) return nullptr;
+  try {
+    const Json diagnosis = read_result(folder / "diagnosis.json");
+    const Json::json_pointer names("/parameters/names");
+    const bool is_of_these = diagnosis.contains(names) && diagnosis[names] == result[names];
+    return is_of_these ? Json(k_page) : Json(nullptr);
+  } catch (const InvalidInput&) {  // the report does not depend on it
+    return nullptr;
+  }
+}
+
 /// Those of an object's entries that are there.
 Json some_of(const Json& object, std::initializer_list<const char*> keys) {
   Json some = Json::object();
@@ -120,8 +134,17 @@ void write_report(const std::filesystem::path& folder) {
   if (std::filesystem::exists(folder / "tests.csv")) page["tests"] = tests_json(folder / "tests.csv");
   if (std::filesystem::exists(folder / "clouds.csv")) page["clouds"] = clouds_json(folder / "clouds.csv", parameters);
   if (std::filesystem::exists(folder / "modes.json")) page["modes"] = read_modes(folder / "modes.json");
+  if (const Json link = link_to_diagnosis(folder, page["result"]); !link.is_null()) page["diagnosis"] = link;
   const std::string data = page.dump(-1, ' ', false, Json::error_handler_t::replace);
   RunFolder(folder).write("report.html", render_page(data));
+}
+
+void write_diagnosis_page(const std::filesystem::path& folder) {
+  Json page = {{"kind", "diagnosis"}, {"result", read_result(folder / "diagnosis.json")}};
+  if (std::filesystem::exists(folder / "diagnosis-model.json")) {
+    page["model"] = read_result(folder / "diagnosis-model.json");
+  }
+  RunFolder(folder).write("diagnosis.html", render_page(page.dump(-1, ' ', false, Json::error_handler_t::replace)));
 }
 
 void write_modes_page(const std::filesystem::path& folder) {

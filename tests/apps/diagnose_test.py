@@ -3,6 +3,8 @@
 import json
 import math
 import shutil
+import subprocess
+import time
 import tomllib
 
 import nastran_test
@@ -69,13 +71,98 @@ class Diagnose(support.CommandTest):
         for model in result["evidence"]["models"]:
             self.assertIn("particles", model["failure"])
 
-    def test_what_is_proposed_can_be_pasted_into_the_study(self):
-        # k6 of the tests' structure is stiffer than the model's.
+    def wrong_spring(self, more=""):
+        """The three masses with a spring that is softer than that of the tests, k6; `more`: the end of the study."""
         example = support.SOURCE / "examples" / "01-three-masses"
         shutil.copy(example / "specimens-shapes.csv", self.folder)
-        self.write("study.toml", edited((example / "shapes.toml").read_text(encoding="utf-8"), ("stiffness = 3.0", "stiffness = 2.0")))
+        text = edited((example / "shapes.toml").read_text(encoding="utf-8"), ("stiffness = 3.0", "stiffness = 2.0"))
+        self.write("study.toml", text + more)
+
+    def at_linear_stage(self, *arguments):
+        """The linear answer as a running diagnosis leaves it, and the process."""
+        process = subprocess.Popen([support.MOTTLE, "diagnose", "study.toml", "--out", "out", "--quiet", *arguments], cwd=self.folder)
+        self.addCleanup(process.kill)
+        file = self.folder / "out" / "diagnosis.json"
+        until = time.monotonic() + 60 * support.PATIENCE
+        while process.poll() is None and time.monotonic() < until:
+            if file.exists():
+                found = json.loads(file.read_text(encoding="utf-8"))  # whole, whenever it is read
+                if found["stage"] == "linear":
+                    return found, process
+            time.sleep(0.001)
+        self.fail("no linear answer was seen")
+
+    def test_the_linear_answer_is_written_before_the_fits_and_replaced_by_them(self):
+        self.write("tests.csv", support.TESTS)  # with replications, which take a second
+        linear, process = self.at_linear_stage()
+        self.assertEqual({candidate["fitted"] for candidate in linear["candidates"]}, {False})
+        self.assertTrue(all("gain" in candidate["linear"] for candidate in linear["candidates"]))
+        self.assertEqual(process.wait(timeout=60 * support.PATIENCE), 0)
+        fitted = json.loads((self.folder / "out" / "diagnosis.json").read_text(encoding="utf-8"))
+        self.assertEqual(fitted["stage"], "fitted")
+        self.assertTrue(fitted["candidates"][0]["fitted"])
+        self.assertEqual(linear["candidates"][0].keys(), fitted["candidates"][0].keys())
+
+    def test_a_linear_answer_that_an_interrupted_run_left_does_not_take_the_place_of_a_result(self):
+        self.write("tests.csv", support.TESTS)
+        self.diagnosis()
+        _, process = self.at_linear_stage()
+        process.kill()
+        process.wait()
+        _, process = self.at_linear_stage()
+        process.kill()
+        process.wait()
+        previous = json.loads((self.folder / "out" / "previous-results" / "diagnosis.json").read_text(encoding="utf-8"))
+        self.assertEqual(previous["stage"], "fitted")
+        self.diagnosis()
+        self.assertFalse((self.folder / "out" / "previous-results").exists())
+
+    def test_the_page_holds_the_result_and_the_report_of_an_update_links_it(self):
+        self.wrong_spring()
+
+        def data_of(name):
+            text = (self.folder / "out" / name).read_text(encoding="utf-8")
+            start = text.index('id="mottle-data">') + len('id="mottle-data">')
+            return json.loads(text[start:text.index("</script", start)])
+
+        self.succeed("update", "study.toml", "--out", "out", "--quiet", "--set", "update.samples=50")
+        self.assertNotIn("diagnosis", data_of("report.html"))
+        result = self.diagnosis()
+        self.assertEqual(data_of("diagnosis.html"), {"kind": "diagnosis", "result": result})
+        self.assertEqual(data_of("report.html")["diagnosis"], "diagnosis.html")
+        # An update of other parameters is not what the diagnosis is about.
+        with open(self.folder / "study.toml", "a", encoding="utf-8") as study:
+            study.write(result["proposed_toml"])
+        self.succeed("update", "study.toml", "--out", "out", "--quiet", "--set", "update.samples=50")
+        self.assertNotIn("diagnosis", data_of("report.html"))
+
+    def test_a_candidate_keeps_within_its_prior(self):
+        """The tests ask for 3.0 where the prior ends at 2.2: that explanation is said to be none."""
+        self.wrong_spring(more='[diagnose]\ncandidates = ["spring:k3", { name = "outer", target = "spring:k6", distribution = '
+                          '{ kind = "uniform", lower = 1.8, upper = 2.2 } }]\n')
+        result = self.diagnosis()
+        outer = next(entry for entry in result["candidates"] if entry["name"] == "outer")
+        answer = outer[outer["best"]]
+        self.assertLessEqual(answer["mean"], 2.2 + 1e-9)
+        self.assertFalse(answer["possible"])
+        self.assertGreater(answer["needed"], 2.5)
+        self.assertNotIn("outer", [entry["name"] for entry in result["proposed"]])
+        self.assertTrue(any("outer would need" in sentence for sentence in result["sentences"]))
+
+    def test_all_candidates_are_fitted_on_request(self):
+        self.wrong_spring()
+        few = self.diagnosis("--set", "diagnose.screened=1")
+        all_fitted = self.diagnosis("--set", "diagnose.screened=1", "--thorough")
+        self.assertLess(sum(entry["fitted"] for entry in few["candidates"]), len(few["candidates"]))
+        self.assertTrue(all(entry["fitted"] for entry in all_fitted["candidates"]))
+        out = self.succeed("diagnose", "study.toml", "--out", "out", "--set", "diagnose.screened=1").out
+        self.assertIn("(linear)", out)
+        self.assertIn("--thorough", out)
+
+    def test_what_is_proposed_can_be_pasted_into_the_study(self):
+        self.wrong_spring()
         ended = self.succeed("diagnose", "study.toml", "--out", "out")
-        lines = ended.out[ended.out.index("add to study.toml "):].splitlines()[1:-1]
+        lines = ended.out[ended.out.index("add to study.toml "):ended.out.index("diagnosis: ")].splitlines()[1:]
         self.assertIn("is proposed (BIC", ended.err)
         self.assertIn("Round 2", ended.err)
         result = json.loads((self.folder / "out" / "diagnosis.json").read_text(encoding="utf-8"))
@@ -111,10 +198,7 @@ class Diagnose(support.CommandTest):
         self.assertIn("no candidate has a fit", models[0]["failure"])
 
     def test_what_is_proposed_keeps_its_prior(self):
-        example = support.SOURCE / "examples" / "01-three-masses"
-        shutil.copy(example / "specimens-shapes.csv", self.folder)
-        wrong = edited((example / "shapes.toml").read_text(encoding="utf-8"), ("stiffness = 3.0", "stiffness = 2.0"))
-        self.write("study.toml", wrong + (
+        self.wrong_spring(more=(
             '[diagnose]\ncandidates = [{ name = "outer \\"spring\\"", target = "spring:k6", scale = "log", '
             'distribution = { kind = "lognormal", mean = 2.0, std = 0.5 }, bounds = [0.1, inf] }]\n'))
         proposed = tomllib.loads(self.diagnosis()["proposed_toml"])["parameter"]
@@ -186,6 +270,8 @@ class Diagnose(support.CommandTest):
             return {entry["name"]: entry for entry in result["candidates"]}
 
         together = fitted(list(found))
+        drawing = json.loads((self.folder / "out" / "diagnosis-model.json").read_text(encoding="utf-8"))
+        self.assertLessEqual(set(found), {part["name"] for part in drawing["parameters"] if part["edges"]})
         for name, inertia in found.items():
             alone = fitted([name])[name]
             self.assertAlmostEqual(together[name]["bic"], alone["bic"], delta=0.05 + 1e-3 * abs(alone["bic"]))

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Checks reports in a browser: run.sh written|simulated|thorough MOTTLE SOURCE_FOLDER WORK_FOLDER
 #   written    the pages that the command writes of the first example: an update, a propagation, a population, a posterior, batches, a box,
-#              accepted simulations, a comparison
+#              accepted simulations, a comparison, a diagnosis
 #   simulated  made-up data in a page that the command has written: every scale, many parameters, hardly any numbers, structures
 #   thorough   both, every check on every page, with pictures of all that is shown in WORK_FOLDER/thorough/screenshots
 set -euo pipefail
@@ -37,6 +37,10 @@ if [[ $part != simulated ]]; then
   run population update "$example/case1.toml" --set 'update.method="maximum-likelihood"'
   run posterior update "$example/case1.toml" --set 'update.method="bayes"'
   for method in mixture interval abc; do run "$method" update "$example/case1.toml" --set "update.method=\"$method\""; done
+  mkdir -p "$here/diagnosed"
+  sed 's/stiffness = 3.0/stiffness = 2.0/' "$example/shapes.toml" >"$here/diagnosed/wrong.toml"  # a spring of the tests is stiffer
+  cp "$example/specimens-shapes.csv" "$here/diagnosed/"
+  run diagnosed diagnose "$here/diagnosed/wrong.toml"
   # Five runs to compare, one of them without a parameter of the others, two with an evidence.
   study=$here/compared/study.toml
   mkdir -p "$here/compared"
@@ -55,12 +59,12 @@ study.write_text(head + "".join("[[parameter]]" + block for block in blocks if '
 PYTHON
   run compared/c update "$study" --set 'update.method="deterministic"'
   "$mottle" compare "$here"/compared/{a,b,c,d,e} --out "$here/compared/compare.html" >"$here/compared/table.txt"
-  pages+=("$here"/{update,propagate,population,posterior,mixture,interval,abc}/report.html "$here/compared/compare.html")
+  pages+=("$here"/{update,propagate,population,posterior,mixture,interval,abc}/report.html "$here/compared/compare.html" "$here/diagnosed/diagnosis.html")
   for folder in "$here"/compared/{a,b,c,d,e}; do results+=(--results "$folder"); done
 fi
 
 if [[ $part != written ]]; then
-  simulated=(modes shapes population posterior batches old aeroplane sparse)
+  simulated=(modes diagnosis linear-diagnosis shapes population posterior batches old aeroplane sparse)
   template=$here/propagate/report.html
   [[ -e $template ]] || run propagate propagate "$example/case2.toml"
   cd "$here"

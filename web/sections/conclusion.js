@@ -221,6 +221,14 @@ export function next_steps(steps) {
   );
 }
 
+/** The page of a diagnosis beside the report; a name is no markup and no scheme. */
+function diagnosis_link({ diagnosis }) {
+  if (!diagnosis) return null;
+  const address = diagnosis.split("/").map(encodeURIComponent).join("/");
+  const link = element("a", { href: address, "data-link": "diagnosis" }, "diagnosis");
+  return element("p", { class: "note" }, "Which further parameter explains these tests is in the ", link, ".");
+}
+
 export default {
   id: "conclusion",
   title: "Conclusion",
@@ -253,6 +261,7 @@ export default {
       kind ? summary_of(verdict) : null,
       side_by_side(comparison),
       kind ? null : next_steps(list(verdict.next)),
+      diagnosis_link(study),
     ];
   },
 };

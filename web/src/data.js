@@ -68,6 +68,7 @@ export function read_study(data) {
     summary: list(source.summary).map(String),
     modes: record(source.modes),
     mac: record(source.mac),
+    diagnosis: typeof source.diagnosis === "string" ? source.diagnosis : null,
     parameters,
     outputs,
     iterations,

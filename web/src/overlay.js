@@ -2,7 +2,7 @@
 import { Vector3 } from "three";
 import { accent, bound, font_family, ink, muted, sequential } from "./palette.js";
 
-function legend(context, height, has_masses) {
+function legend(context, height, has_masses, quantity) {
   const width = 120;
   const top = height - 30;
   const scale = context.createLinearGradient(12, 0, 12 + width, 0);
@@ -13,7 +13,7 @@ function legend(context, height, has_masses) {
   context.font = `11px ${font_family}`;
   context.textAlign = "left";
   context.fillText("0", 12, top + 22);
-  context.fillText("displacement", 12, top - 6);
+  context.fillText(quantity, 12, top - 6);
   context.textAlign = "right";
   context.fillText("largest", 12 + width, top + 22);
   if (!has_masses) return;
@@ -50,7 +50,7 @@ function directions(context, camera, width, height) {
   context.textBaseline = "alphabetic";
 }
 
-export function draw_overlay(context, camera, { width, height, title, note, has_masses }) {
+export function draw_overlay(context, camera, { width, height, title, note, has_masses, quantity = "displacement" }) {
   context.fillStyle = ink;
   context.textAlign = "left";
   context.font = `600 13px ${font_family}`;
@@ -58,7 +58,7 @@ export function draw_overlay(context, camera, { width, height, title, note, has_
   context.fillStyle = muted;
   context.font = `12px ${font_family}`;
   if (note) context.fillText(note, 12, 37, width - 24);
-  legend(context, height, has_masses);
+  legend(context, height, has_masses, quantity);
   directions(context, camera, width, height);
 }
 

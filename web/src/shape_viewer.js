@@ -24,7 +24,7 @@ const reach_of_pointer = 12; // CSS pixels
 export const scenes = {};
 
 /** The canvas that the structure is drawn on, with WebGL or, where there is none, without. */
-function open_scene(structure) {
+export function open_scene(structure) {
   const canvas = () => element("canvas", { class: "scene" });
   const surface = canvas();
   try {

@@ -11,6 +11,14 @@ const largest_page = 3e6; // bytes
 
 export const first_screen_checks = [
   [
+    "a diagnosis in the same folder is linked, and nothing that is not there",
+    async ({ page, data, file }) => {
+      const links = await page.$$eval("[data-link=diagnosis]", (all) => all.map((one) => one.href));
+      assert.equal(links.length, is_update(data) && data.diagnosis ? 1 : 0);
+      for (const link of links) assert.equal(new URL(link).pathname, path.join(path.dirname(path.resolve(file)), data.diagnosis));
+    },
+  ],
+  [
     "the conclusion is green only where the result is reassuring",
     async ({ page, data }) => {
       if (!is_update(data)) return;

@@ -2,12 +2,14 @@
 //   case1      the paper's three masses, right model           refused   its case 2: inadequate, a parameter on its bound, hostile texts
 //   population case1 by a method that estimates a population: every scale, an outlier, a prediction
 //   modes      a page of mode shapes                           shapes    case1 with mode shapes
+//   diagnosis  a page of diagnose, linear-diagnosis before its fits
 //   posterior  case1 by a sampler of a posterior
 //   old        population without the curves that earlier versions did not write
 //   aeroplane  14 outputs and 18 parameters, gaps in the tests  propagate only a cloud        sparse    most entries missing or null
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { add_curves } from "./curves_fixture.mjs";
+import { diagnosis_page } from "./diagnosis_fixture.mjs";
 import { eigen, random_normal } from "./matrix.mjs";
 import { with_first_screen } from "./first_screen_fixture.mjs";
 import { add_posterior } from "./posterior_fixture.mjs";
@@ -401,6 +403,7 @@ function aeroplane() {
       { narrow: 0.7 },
     ),
   });
+  data.diagnosis = "diagnosis.html"; // beside it
   return with_first_screen(data, { flagged: [3, 7], marks: ["found", "mean-only", "at-bound", "not-seen"] });
 }
 
@@ -417,6 +420,8 @@ const pages = {
   propagate: () => propagate(case_1()),
   sparse: () => sparse(case_1()),
   modes: () => modes_page(20, 10, 8),
+  diagnosis: () => diagnosis_page(),
+  "linear-diagnosis": () => diagnosis_page({ is_linear: true }),
   shapes: () => ({ ...case_1(), modes: plate_modes(20, 10, 3), mac: plate_mac(3, 3) }),
   posterior: () => as_posterior(case_1()),
   batches: () => with_batches(population()),

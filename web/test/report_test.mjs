@@ -15,6 +15,7 @@ import { answer_checks } from "./answer_checks.mjs";
 import { open_browser, patience } from "./browser.mjs";
 import { checks } from "./checks.mjs";
 import { compare_checks } from "./compare_checks.mjs";
+import { diagnosis_checks } from "./diagnosis_checks.mjs";
 import { first_screen_checks } from "./first_screen_checks.mjs";
 import { layout_checks } from "./layout_checks.mjs";
 import { population_checks } from "./population_checks.mjs";
@@ -62,6 +63,12 @@ function views_of(data, name) {
     return [
       [{ width: 1440, height: 1000 }, [...compare_checks, ...last_checks]],
       [{ width: 390, height: 844 }, [...compare_checks, ...last_checks]],
+    ];
+  }
+  if (data.kind === "diagnosis") {
+    return [
+      [{ width: 1280, height: 900 }, [...diagnosis_checks, ...last_checks]],
+      [{ width: 390, height: 844 }, [...diagnosis_checks, ...last_checks]],
     ];
   }
   // WebGL is drawn by the processor here: the fewer pixels, the better.
@@ -118,7 +125,8 @@ async function fulfils(page, name, claim, check) {
 async function test_page(file) {
   const { page, complaints, open } = await browser_of("webgl");
   const raw = data_of(readFileSync(file, "utf8"));
-  const data = raw.kind === "compare" ? raw : in_readable_units(raw); // as the page shows them
+  const is_as_it_is = raw.kind === "compare" || raw.kind === "diagnosis";
+  const data = is_as_it_is ? raw : in_readable_units(raw); // as the page shows them
   const name = name_of(file);
   for (const [window, all] of views_of(data, name)) {
     console.log(`\n${name}, ${window.width} pixels wide`);
@@ -142,7 +150,7 @@ async function test_page(file) {
       open: (media) => open(file, { ...window, media }),
     };
     if (!(await fulfils(page, name, "the page opens", () => study.open({})))) continue;
-    if (raw.kind === "compare") await shot(window.width);
+    if (is_as_it_is) await shot(window.width);
     for (const [claim, check] of all) await fulfils(page, name, claim, () => check(study));
   }
 }

@@ -1,4 +1,4 @@
-// Makes pages of results: report.html of a run's folder, modes.html, and several runs side by side.
+// Makes pages of results: report.html of a run's folder, modes.html, diagnosis.html, and several runs side by side.
 #pragma once
 
 #include <atomic>
@@ -9,7 +9,8 @@
 
 namespace mottle::report {
 
-/// Reads result.json, tests.csv and clouds.csv of `folder` and writes report.html beside them.
+/// Reads result.json, tests.csv and clouds.csv of `folder` and writes report.html beside them. It links diagnosis.html
+/// there, where that is a diagnosis beside the same parameters.
 ///
 /// Throws InvalidInput: no result.json there, or one of these files cannot be understood; SystemFailure: cannot write.
 void write_report(const std::filesystem::path& folder);
@@ -25,6 +26,12 @@ std::filesystem::path print_report(const std::filesystem::path& folder, const st
 
 /// Reads modes.json of `folder` and writes modes.html beside it.
 void write_modes_page(const std::filesystem::path& folder);
+
+/// Reads diagnosis.json and diagnosis-model.json of `folder` and writes diagnosis.html beside them.
+///
+/// @throws InvalidInput   one of these files cannot be understood
+/// @throws SystemFailure  cannot write
+void write_diagnosis_page(const std::filesystem::path& folder);
 
 /// Reads result.json of every compared run and writes one page that shows them side by side.
 ///

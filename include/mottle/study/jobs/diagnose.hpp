@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -35,14 +36,26 @@ struct DiagnoseOutcome {
   Diagnosis diagnosis = {};
   DiagnosisEvidence evidence = {};
   Eigen::Index outputs = 0;  ///< number of them
+  std::vector<std::string> output_names = {};
+  std::string drawing = {};  ///< JSON: the model and the elements of each candidate; empty: it cannot be drawn
   int ranks = 1;             ///< processes that shared the model's evaluations
   double seconds = 0.0;
 };
 
-/// Folder and errors as with update(); log and journal are diagnosis.log and diagnosis.journal.
-DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings);
+/// How far a diagnosis goes, and who is told what is known early.
+struct DiagnoseChoices {
+  /// Fits all candidates, however many. Else `diagnose.screened` of them, and of a model with 500 equations and more
+  /// the best four.
+  bool is_thorough = false;
+  /// Called once with the linear answer, before any candidate is fitted; its write_results() may be called.
+  std::function<void(const DiagnoseOutcome&)> linear_answer = {};
+};
 
-/// diagnosis.json; the journal and the diagnosis of an earlier run are no longer needed then.
+/// Folder and errors as with update(); log and journal are diagnosis.log and diagnosis.journal.
+DiagnoseOutcome diagnose(const Study& study, const RunSettings& settings, const DiagnoseChoices& choices = {});
+
+/// diagnosis.json, and diagnosis-model.json where the model can be drawn. Of a fitted answer: the journal and the
+/// diagnosis of an earlier run are no longer needed then.
 void write_results(const DiagnoseOutcome& outcome, const std::filesystem::path& folder);
 /// The text of diagnosis.json.
 std::string result_text(const DiagnoseOutcome& outcome);
