@@ -133,7 +133,7 @@ function posterior(study) {
 export default {
   id: "parameters",
   title: "Parameters",
-  is_in_print: true,
+  is_in_print: (study) => !is_box(study), // the bounds have them
   has_data: (study) => study.is_update && study.parameter_axes.length > 0 && list(study.parameters.names).length > 0,
   explained: [
     [
