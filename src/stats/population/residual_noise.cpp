@@ -67,8 +67,9 @@ class ResidualIteration {
         rows(level) += own.unexplained(row);
       }
     }
-    constexpr double k_seen = 1e-9;  // rows that show in the residuals
-    return (rows.array() > k_seen).select(sum.array() / rows.array(), now.array());
+    constexpr double k_seen = 1e-9;       // rows that show in the residuals
+    constexpr double k_rounding = 1e-16;  // of copies of one unit, whose residuals are nothing else
+    return (rows.array() > k_seen).select(sum.array() / rows.array(), now.array()).max(k_rounding);
   }
 
   /// Rows less effects less means, after improve().

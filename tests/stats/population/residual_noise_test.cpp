@@ -108,6 +108,16 @@ TEST(ResidualNoise, IsTheSampleVarianceAndTheBeliefWithoutEffects) {
   EXPECT_EQ(found.degrees_of_freedom, 2.0 * (k_units - 1));
 }
 
+TEST(ResidualNoise, OfCopiesIsTheRoundingThatIsLeft) {
+  Units six = six_units();
+  for (std::size_t s = 0; s < 6; ++s) {
+    six.units[s] = six.units[0];
+    six.outputs[s] = six.outputs[0];
+  }
+  EXPECT_EQ(estimate_residual_noise(six.units, six.outputs, {{0, 0, 0, 0, 0}, Eigen::VectorXd::Ones(1)}).levels(0),
+            1e-16);
+}
+
 TEST(ResidualNoise, KeepsWhatIsExpectedWhereEffectsReachAllOutputs) {
   Units all;
   for (Eigen::Index s = 0; s < 4; ++s) {

@@ -32,14 +32,15 @@ Eigen::MatrixXd reached_by(const Eigen::MatrixXd& design);
 ///   y_s = G_s x_s + b + e_s,   e_s ~ N(0, R_s),   R_s = noise * level of the output,
 ///
 /// so that neither the population of the effects nor means that the effects cannot reach change the levels. The means
-/// are free in the directions of which the residuals see at least a twentieth of what they would without effects, at the
-/// expected levels; what remains of the others is the change of the designs from unit to unit. With
-/// P_s = R_s^-1 - R_s^-1 G_s (G_s' R_s^-1 G_s)^+ G_s' R_s^-1 and P = P_s - P_s (sum P_t)^+ P_s it repeats
+/// are free in the directions of which the residuals see at least a twentieth of what they would without effects, at
+/// the expected levels; what remains of the others is the change of the designs from unit to unit. With P_s = R_s^-1 -
+/// R_s^-1 G_s (G_s' R_s^-1 G_s)^+ G_s' R_s^-1 and P = P_s - P_s (sum P_t)^+ P_s it repeats
 ///
 ///   level <- [ sum e^2 / noise + weight * expected ] / (sum r P_kk + weight),   e_s = R_s P_s (y_s - b),
 ///
 /// whose rest is the most probable level under an inverse-gamma prior, whose `weight` counts as that many observations.
-/// Without effects it is (n - 1) / (n - 1 + weight) of the sample variance and the rest of what is expected.
+/// A level below 1e-16 is taken for rounding and is 1e-16. Without effects it is (n - 1) / (n - 1 + weight) of the
+/// sample variance and the rest of what is expected.
 ///
 /// @param units      their noise, without factors; `factor` and `shared` are not read
 /// @param outputs    which output each row of a unit is, one list a unit
