@@ -85,10 +85,12 @@ class Diagnose(support.CommandTest):
         file = self.folder / "out" / "diagnosis.json"
         until = time.monotonic() + 60 * support.PATIENCE
         while process.poll() is None and time.monotonic() < until:
-            if file.exists():
+            try:
                 found = json.loads(file.read_text(encoding="utf-8"))  # whole, whenever it is read
                 if found["stage"] == "linear":
                     return found, process
+            except FileNotFoundError:  # not yet written, or an earlier one was just put aside
+                pass
             time.sleep(0.001)
         self.fail("no linear answer was seen")
 

@@ -46,6 +46,8 @@ class Limited(attack.Family):
         for name in ("result.json", "diagnosis.json"):
             if (self.folder / "out" / name).exists():
                 result = json.loads((self.folder / "out" / name).read_text(encoding="utf-8"))
+                if result.get("stage") == "linear":  # of a diagnosis whose fits did not come to be written, as it says
+                    return None
                 return {key: value for key, value in result.items() if key != "timings_s"}
         return None
 

@@ -138,8 +138,9 @@ struct Iterate {
 void explain_step(Eigen::MatrixXd& jacobian, const Eigen::VectorXd& step, const Eigen::VectorXd& change,
                   const Eigen::VectorXd& prior_std) {
   const Eigen::VectorXd scaled = step.cwiseQuotient(prior_std);
+  constexpr double k_least = 1e-6;  // a shorter step is explained by rounding
   const double square = scaled.squaredNorm();
-  if (!(square > 0.0)) return;
+  if (!(square > k_least * k_least)) return;
   jacobian += (change - jacobian * step) * scaled.cwiseQuotient(prior_std).transpose() / square;
 }
 

@@ -43,9 +43,10 @@ std::vector<std::string> doubts_of(const SampledPosterior& posterior, const std:
   }
   if (short_stages > 0) {
     doubts.push_back(fmt::format(
-        "In {} stages the moves allowed did not decorrelate the particles from their start (a correlation of {:.2f} "
+        "In {} the moves allowed did not decorrelate the particles from their start (a correlation of {:.2f} "
         "was left, {} is asked for); give more moves ({}.max_moves).",
-        short_stages, worst, options.decorrelation, method));
+        short_stages == 1 ? "one stage" : fmt::format("{} stages", short_stages), worst, options.decorrelation,
+        method));
   }
   return doubts;
 }
