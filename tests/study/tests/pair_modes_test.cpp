@@ -148,7 +148,9 @@ TEST(PairModes, PairsCloseModesThatHaveMixedByWhatTheySpan) {
   for (const auto& mass : system.masses) modes.components.push_back({.name = mass.name});
   const PairedModes paired = pair_modes(close, {modes}, true);
   EXPECT_EQ(paired.values, Eigen::RowVector2d(10.1, 10.4));
-  EXPECT_THAT(paired.notes, ElementsAre(HasSubstr("specimen 1 mode 1 (MAC 0.58, 1.00 together with mode 2, which is close in frequency")));
+  EXPECT_THAT(
+      paired.notes,
+      ElementsAre(HasSubstr("specimen 1 mode 1 (MAC 0.58, 1.00 together with mode 2, which is close in frequency")));
   modes.shapes.col(1) << -s, 0.0, c, 0.0;  // into the third mode: nothing close
   EXPECT_TRUE(pair_modes(close, {modes}, true).values.hasNaN());
 }

@@ -90,11 +90,10 @@ TEST(SpecimenFit, KeepsItsLastDerivativeWhereTheModelFailsAllAround) {
   const SpecimenStart start{.points = Eigen::RowVector2d(2.5, 6.0).replicate(2, 1)};
   const Eigen::MatrixXd values = linear.tests.topRows(2);
   std::int64_t evaluations = 0;
-  const SpecimenFits expected =
-      fit_specimens(linear.problem(linear.noise), values, population, start, {}, evaluations);
+  const SpecimenFits expected = fit_specimens(linear.problem(linear.noise), values, population, start, {}, evaluations);
   const RingModel ring(linear.model, expected.points.row(1));
-  const SpecimenFits found = fit_specimens(linear.problem(linear.noise).with_model(ring, nullptr), values, population,
-                                           start, {}, evaluations);
+  const SpecimenFits found =
+      fit_specimens(linear.problem(linear.noise).with_model(ring, nullptr), values, population, start, {}, evaluations);
   EXPECT_LT((found.points - expected.points).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_LT((found.jacobians[1] - test::LinearProblem::slope()).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_EQ(found.converged, (std::vector<bool>{true, false}));
