@@ -2,7 +2,7 @@
 import { coloured_model } from "./src/coloured_model.js";
 import { is_number, list, number_or_null, record } from "./src/data.js";
 import { explained_bars, residual_bars } from "./src/diagnosis_bars.js";
-import { bullets, button, element, paragraph, prose } from "./src/dom.js";
+import { bullets, button, definitions, element, facts_line, paragraph, prose } from "./src/dom.js";
 import { count_text, number_text, p_value_text, plural, seconds_text, short_number } from "./src/format.js";
 import { read_structure } from "./src/structure.js";
 import { data_table } from "./src/table.js";
@@ -61,11 +61,7 @@ function head(result, candidates) {
     {},
     element("p", { class: "kicker" }, "Diagnosis: what is missing among the parameters"),
     element("h1", {}, String(result.title ?? "").trim() || "Untitled study"),
-    element(
-      "dl",
-      { class: "facts" },
-      facts.map(([term, value]) => element("div", {}, element("dt", {}, term), element("dd", {}, value))),
-    ),
+    facts_line(facts),
   );
 }
 
@@ -200,18 +196,7 @@ const terms = [
   ["Independent", "The part of that effect which the parameters cannot reproduce."],
 ];
 
-function glossary() {
-  return element(
-    "footer",
-    { id: "glossary" },
-    element("h2", {}, "How to read this page"),
-    element(
-      "dl",
-      {},
-      terms.map(([term, meaning]) => [element("dt", {}, term), element("dd", {}, meaning)]),
-    ),
-  );
-}
+const glossary = () => element("footer", { id: "glossary" }, element("h2", {}, "How to read this page"), definitions(terms));
 
 export function compose_diagnosis(main, data) {
   const result = record(data.result);

@@ -3,7 +3,7 @@ import { compose_comparison } from "./compare.js";
 import { compose_diagnosis } from "./diagnosis.js";
 import { charts } from "./src/charts.js";
 import { read_study } from "./src/data.js";
-import { button, element, paragraph } from "./src/dom.js";
+import { button, definitions, element, paragraph } from "./src/dom.js";
 import { draw_waiting_figures } from "./src/figure.js";
 import { scenes } from "./src/shape_viewer.js";
 import { in_readable_units } from "./src/units.js";
@@ -115,11 +115,7 @@ function glossary(drawn, study) {
     "footer",
     { id: "glossary" },
     element("h2", {}, "How to read this page"),
-    element(
-      "dl",
-      {},
-      entries.map(([term, meaning]) => [element("dt", {}, term), element("dd", {}, meaning)]),
-    ),
+    definitions(entries),
     element(
       "p",
       { class: "note screen-only" },

@@ -1,6 +1,6 @@
 // The head of the report: what was studied, how it ended, and the counts that matter.
 import { extent, is_number, list, record } from "../src/data.js";
-import { bullets, element, paragraph, prose } from "../src/dom.js";
+import { bullets, element, facts_line, paragraph, prose } from "../src/dom.js";
 import { count_text, number_text, words } from "../src/format.js";
 
 const tone_of_status = {
@@ -81,12 +81,7 @@ export default {
             result.message ? ` ${result.message}` : null,
           )
         : null,
-      element(
-        "dl",
-        { class: "facts" },
-        facts(study).map(([term, value]) => element("div", {}, element("dt", {}, term), element("dd", {}, value))),
-        study.unit_choice ? element("div", {}, element("dd", {}, study.unit_choice)) : null,
-      ),
+      facts_line(facts(study), study.unit_choice ? element("div", {}, element("dd", {}, study.unit_choice)) : null),
       study.summary.length
         ? element(
             "div",

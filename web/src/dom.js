@@ -37,6 +37,25 @@ export function bullets(items, attributes = {}) {
   );
 }
 
+/** Terms and what they mean: [[term, meaning]]. */
+export function definitions(entries) {
+  return element(
+    "dl",
+    {},
+    entries.map(([term, meaning]) => [element("dt", {}, term), element("dd", {}, meaning)]),
+  );
+}
+
+/** Names and values in a line: [[name, value]], and whatever else belongs there. */
+export function facts_line(facts, ...more) {
+  return element(
+    "dl",
+    { class: "facts" },
+    facts.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value))),
+    more,
+  );
+}
+
 export function button(label, title, action, attributes = {}) {
   return element("button", { type: "button", title, onclick: action, ...attributes }, label);
 }

@@ -1,6 +1,7 @@
 // What must hold of the page of `mottle compare`: it shows the numbers of the results that it was made from.
 import assert from "node:assert/strict";
 import path from "node:path";
+import { fits_the_window } from "./window_checks.mjs";
 
 /** {row name: {column key: value}} of a table. */
 const cells_of = (page, id) =>
@@ -87,16 +88,7 @@ export const compare_checks = [
       }
     },
   ],
-  [
-    "the page is no wider than the window",
-    async ({ page }) => {
-      const { scrollWidth, innerWidth } = await page.evaluate(() => ({
-        scrollWidth: document.documentElement.scrollWidth,
-        innerWidth: window.innerWidth,
-      }));
-      assert.ok(scrollWidth <= innerWidth, `${scrollWidth} pixels`);
-    },
-  ],
+  fits_the_window,
   [
     "each run's own report is linked",
     async ({ page, folders }) => {

@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { is_number, list } from "./expectations.mjs";
 import { saved_by } from "./files.mjs";
+import { fits_the_window } from "./window_checks.mjs";
 
 const answer_of = (candidate) => (candidate.fitted ? candidate[candidate.best] : candidate.linear);
 
@@ -143,14 +144,5 @@ export const diagnosis_checks = [
         assert.ok(bytes.toString("utf8").split("\r\n").length > 2, name);
     },
   ],
-  [
-    "the page is no wider than the window",
-    async ({ page }) => {
-      const { scrollWidth, innerWidth } = await page.evaluate(() => ({
-        scrollWidth: document.documentElement.scrollWidth,
-        innerWidth: window.innerWidth,
-      }));
-      assert.ok(scrollWidth <= innerWidth, `${scrollWidth} pixels`);
-    },
-  ],
+  fits_the_window,
 ];

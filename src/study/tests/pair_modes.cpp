@@ -83,6 +83,8 @@ PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredMo
   std::vector<std::string> unknown;
   std::vector<std::string> unsized;
   std::vector<ComparedShape> shapes;
+  const std::vector<std::string> sensors =
+      specimens.empty() ? std::vector<std::string>{} : sensors_of(specimens.front());
   for (std::size_t s = 0; s < specimens.size(); ++s) {
     MeasuredModes modes = specimens[s];
     if (by_mac && modes.has_own_axes) settle_axes(model, modes, paired.notes);
@@ -99,12 +101,12 @@ PairedModes pair_modes(const StructureModel& model, const std::vector<MeasuredMo
       if (row.verdict == "missing") missing.push_back(name);
       if (row.verdict == "doubtful") doubtful.push_back(fmt::format("{} ({})", name, row.reason));
     }
-    if (by_mac && sensors_of(modes) == sensors_of(specimens.front())) {
+    if (by_mac && sensors_of(modes) == sensors) {
       for (ComparedShape& shape : pairing.compared_shapes()) shapes.push_back(std::move(shape));
     }
     paired.specimens.push_back({std::move(modes), pairing.assigned()});
   }
-  if (!shapes.empty()) paired.mistaken_sensors = mistaken_sensors(shapes, sensors_of(specimens.front()));
+  if (!shapes.empty()) paired.mistaken_sensors = mistaken_sensors(shapes, sensors);
   paired.table = table.csv();
   add_note(paired.notes, "Modes that were not found", missing);
   add_note(paired.notes, "Doubtful pairs, used nevertheless", doubtful);
